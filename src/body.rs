@@ -8,10 +8,10 @@ pub mod fem;
 pub mod mesh;
 pub(crate) mod model;
 pub use contact::{
-    ContactBoundary, ContactNode, Counterpart, Coupled, DeformedNode, End, Facing, GapAt, GapDirection, GapTable, Hole,
-    Meeting, Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
-    PlacedObstacle, RangeLeft, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError,
-    TableError, Term, Unclear, range_left,
+    ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Hole, Meeting,
+    Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
+    PlacedObstacle, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
+    Unclear,
 };
 pub use description::{
     Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Held, Kinks, Load, Opposite,
@@ -21,5 +21,6 @@ pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,
 };
 pub use model::{
-    Balance, BetweenNodes, Body, LargeMotion, Model, ModelError, OnTheWay, Overlap, Pair, Share, SurfaceStress, Wrench,
+    Balance, BetweenNodes, Body, DeformedNode, LargeMotion, Model, ModelError, OnTheWay, Overlap, Pair, RangeLeft,
+    Share, SurfaceStress, Wrench, range_left,
 };

@@ -27,7 +27,6 @@
 mod document;
 mod error;
 mod overrides;
-mod places;
 mod provenance;
 mod read;
 mod syntax;

@@ -1,12 +1,11 @@
-//! Formulas of the position, such as `0.5 * x^2 / 0.1`.
+//! Formulas of the position, such as `0.5 * x^2 / 0.1`, and numbers that may be formulas.
 
-mod field;
-mod functions;
 mod grammar;
 
+use std::fmt;
 use std::ops::Range;
 
-pub use field::Field;
+use super::input_error::{InputError, finite};
 
 /// A formula in `x`, `y` and `z` (m).
 #[derive(Debug, Clone)]
@@ -124,6 +123,59 @@ impl Formula {
             stack.push(value);
         }
         stack.pop()
+    }
+}
+
+/// A number, or a formula of the position.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Field {
+    /// A uniform value.
+    Uniform(f64),
+    /// A formula of x, y and z (m).
+    Formula(Formula),
+}
+
+impl Field {
+    /// Returns the value at `x` (m); NaN where a formula is undefined.
+    pub fn at(&self, x: [f64; 3]) -> f64 {
+        match self {
+            Field::Uniform(value) => *value,
+            Field::Formula(formula) => formula.at(x),
+        }
+    }
+
+    /// Returns the value if it is uniform.
+    pub fn uniform(&self) -> Option<f64> {
+        match self {
+            Field::Uniform(value) => Some(*value),
+            Field::Formula(_) => None,
+        }
+    }
+
+    /// Checks the value of `key`.
+    pub(crate) fn check(&self, key: &str) -> Result<(), InputError> {
+        self.uniform().map_or(Ok(()), |value| finite(key, value))
+    }
+}
+
+impl From<f64> for Field {
+    fn from(value: f64) -> Self {
+        Field::Uniform(value)
+    }
+}
+
+impl From<Formula> for Field {
+    fn from(formula: Formula) -> Self {
+        Field::Formula(formula)
+    }
+}
+
+impl fmt::Display for Field {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Field::Uniform(value) => write!(f, "{value:?}"),
+            Field::Formula(formula) => f.write_str(formula.text()),
+        }
     }
 }
 

@@ -8,20 +8,15 @@
 mod assembly;
 mod bonds;
 mod dofs;
-mod held;
-mod outside;
-mod reference_point;
 mod relative;
 mod rigid;
 mod transform;
 
-pub(crate) use assembly::assemble_part;
+pub(crate) use assembly::{HeldRows, assemble_part};
 pub use assembly::{assemble, facet_load};
 pub(crate) use bonds::{Apart, Bonds};
-pub use dofs::Dofs;
+pub use dofs::{Dofs, Jump, ReferencePoint, Tie};
 pub(crate) use dofs::{SAME_DIRECTION, independent, normal_frame};
-pub(crate) use held::{HeldRows, nearest_translation};
-pub use reference_point::{Jump, ReferencePoint};
 pub(crate) use relative::merged;
 pub use relative::{Coefficient, Relative, Ring};
-pub use rigid::{BodyMotion, RigidMotion, Tie, rigid_motions, unresisted_motions};
+pub use rigid::{BodyMotion, RigidMotion, rigid_motions, unresisted_motions};

@@ -3,25 +3,20 @@
 
 mod check;
 mod coupling;
-mod cycle;
-mod formulas;
 mod kinks;
 mod load;
 mod opposite;
 mod pretension;
-mod probe;
-mod spring;
+mod recorded;
 mod support;
 
 pub use coupling::{Coupling, CouplingKind, Part};
-pub use cycle::{CycleChoice, CycleRequest};
 pub use kinks::Kinks;
 pub use load::{Action, Load, Where};
 pub use opposite::{Opposite, Slave};
 pub use pretension::{Pretension, Tightening};
-pub use probe::{Probe, ProbePlace};
-pub use spring::Bed;
-pub use support::{Direction, Held, Support};
+pub use recorded::{CycleChoice, CycleRequest, Probe, ProbePlace};
+pub use support::{Bed, Direction, Held, Support};
 
 use serde::Deserialize;
 

@@ -9,9 +9,7 @@ mod discretisation;
 mod graph;
 mod hertz;
 mod locking;
-mod places;
 mod recovery;
-mod slip;
 mod strains;
 mod stresses;
 mod zone;
@@ -19,7 +17,7 @@ mod zone;
 use crate::body::model::Model;
 use crate::solver::problem::ProblemError;
 use crate::solver::problem::error::expect_length;
-use places::Places;
+use recovery::Places;
 use strains::Strains;
 
 pub use discretisation::DiscretisationError;
@@ -27,10 +25,9 @@ pub(crate) use discretisation::error_of_force;
 pub use graph::ContactGraph;
 pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
-pub(crate) use slip::SlipZones;
 pub(crate) use stresses::StressRecovery;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
-pub(crate) use zone::{NOTHING, PeakZone};
+pub(crate) use zone::{NOTHING, PeakZone, SlipZones};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.
 #[derive(Debug, Clone, PartialEq)]

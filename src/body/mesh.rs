@@ -1,24 +1,15 @@
 //! Meshes in two and three dimensions with named boundaries and material groups. A mesh may consist of several bodies.
 
-mod arrays;
 mod block;
 mod bodies;
-mod boundaries;
 mod check;
 mod file;
 mod geometry;
-mod half_plane;
 mod interpolation;
-mod joined;
 mod kind;
 mod midsides;
-mod notes;
-mod quadrature;
-mod reference;
 mod rules;
-mod section;
 mod sides;
-mod simplices;
 mod source;
 
 pub use block::block;
@@ -27,14 +18,13 @@ pub use check::MeshFault;
 pub(crate) use file::faces;
 pub use file::{MeshFileError, MeshFormat, MeshFormatError, Place, from_gmsh};
 pub use geometry::Geometry;
-pub(crate) use interpolation::corner_shape;
-pub use interpolation::shape;
-pub(crate) use interpolation::{Jacobian, local_gradients};
+pub(crate) use interpolation::{
+    Jacobian, MAX_NODES, ReferenceCell, ReferenceCells, ReferencePoint, corner_shape, local_gradients, stiffness_rule,
+};
+pub use interpolation::{fine_quadrature, quadrature, quadrature_of, shape};
 pub use kind::CellKind;
-pub use notes::Notes;
-pub(crate) use quadrature::stiffness_rule;
-pub use quadrature::{fine_quadrature, quadrature, quadrature_of};
-pub(crate) use reference::{MAX_NODES, ReferenceCell, ReferenceCells, ReferencePoint};
+pub(crate) use rules::{GAUSS3, UNIT_GAUSS3};
+pub(crate) use sides::sorted;
 pub use source::{Body, HalfPlane, MeshError, MeshSource, Segment};
 
 use crate::algebra::vector::{cross, minus};
@@ -96,6 +86,11 @@ impl Mesh {
     pub fn boundary(&self, name: &str) -> Option<&Boundary> {
         let exact = self.boundaries.iter().find(|boundary| boundary.name == name);
         exact.or_else(|| self.boundaries.iter().find(|boundary| is_called(&boundary.name, name)))
+    }
+
+    /// Returns the facets of the boundary called `name`; none if there is no such boundary.
+    pub(super) fn facets_of(&self, name: &str) -> &[Facet] {
+        self.boundary(name).map_or(&[], |boundary| &boundary.facets)
     }
 
     /// Returns the names of all boundaries.
@@ -187,5 +182,44 @@ impl Boundary {
             nodes.extend(in_order.copied().filter(|&node| seen.insert(node)));
         }
         nodes
+    }
+}
+
+/// Notes on the file of a mesh; empty for a mesh that was not read from a file.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Notes {
+    /// Changes and omissions when the file was read, in words.
+    pub remarks: Vec<String>,
+    /// Named groups that cannot be boundaries, each with the reason. Such a group is an error only if a scene names it.
+    pub unusable: Vec<(String, MeshFault)>,
+    /// The entries of [`Mesh::groups`] for cells in several groups of the file, each with the names of these
+    /// groups.
+    pub combined: Vec<(String, Vec<String>)>,
+}
+
+impl Notes {
+    /// Returns the groups of the file that contain the cells of `group`.
+    pub fn members<'a>(&'a self, group: &'a String) -> &'a [String] {
+        let combined = self.combined.iter().find(|(name, _)| name == group);
+        combined.map_or(std::slice::from_ref(group), |(_, members)| members)
+    }
+
+    /// Adds the name of the body `name` to the groups.
+    fn of_body(self, name: &str) -> Self {
+        let full = |group: String| format!("{name}:{group}");
+        Notes {
+            remarks: self.remarks.into_iter().map(|remark| format!("{name}: {remark}")).collect(),
+            unusable: self.unusable.into_iter().map(|(group, fault)| (full(group), fault)).collect(),
+            combined: (self.combined.into_iter())
+                .map(|(group, members)| (full(group), members.into_iter().map(full).collect()))
+                .collect(),
+        }
+    }
+
+    /// Adds the notes of another mesh.
+    fn append(&mut self, Notes { remarks, unusable, combined }: Notes) {
+        self.remarks.extend(remarks);
+        self.unusable.extend(unusable);
+        self.combined.extend(combined);
     }
 }

@@ -1,30 +1,18 @@
 //! Discretisation of a description: mesh, `K`, contact maps and loads.
 
 mod balance;
-mod bodies;
-mod carried;
-mod carrying;
 mod contact;
 mod coupling;
 mod discrete;
-mod element;
-mod energy;
 mod glued_contact;
 mod holding;
 mod joint;
-mod large_motion;
 mod load;
-mod meridian;
 mod motions;
-mod nearest;
-mod on_the_way;
 mod pair;
-mod pair_state;
 mod place;
 mod range;
 mod recovery;
-mod rigid_contact;
-mod shared;
 mod sliding;
 mod stress;
 mod support;
@@ -32,12 +20,12 @@ mod surface;
 mod unseen;
 
 pub use balance::{Balance, Wrench};
-pub use large_motion::LargeMotion;
-pub use on_the_way::OnTheWay;
+pub use discrete::{Body, Share};
 pub use pair::Pair;
-pub use shared::{Body, Share};
+pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
+pub use sliding::LargeMotion;
 pub use surface::SurfaceStress;
-pub use unseen::{BetweenNodes, Overlap};
+pub use unseen::{BetweenNodes, OnTheWay, Overlap};
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -55,16 +43,14 @@ use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};
 use balance::Statics;
-use carrying::Carrying;
 use contact::Contacts;
 use coupling::Couplings;
 use discrete::Discrete;
 use joint::Joints;
 use load::FreeStrain;
-use motions::Motions;
-use nearest::Nearest;
+use motions::{Motions, Nearest};
 use recovery::Recovery;
-use support::Moved;
+use support::{Carrying, Moved};
 use surface::Surface;
 
 /// A discretised description.
@@ -210,21 +196,21 @@ impl Model {
         let laid_out = Description { times, ..description.clone() };
         let description = &laid_out;
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
-        let Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds } = discrete;
+        let Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds } = &discrete;
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
-            (None, HeldRows::alone(&mesh, &dofs, element, law)?)
+            (None, HeldRows::alone(mesh, dofs, *element, law)?)
         } else {
-            let (stiffness, rows) = HeldRows::beside(&mesh, &dofs, element, &volumes, law, &springs)?;
+            let (stiffness, rows) = HeldRows::beside(mesh, dofs, *element, volumes, law, &springs)?;
             (Some(stiffness), rows)
         };
-        let carrying = Carrying::new(description, &mesh, &dofs, (&couplings, &pairs), &holdings)?;
-        let mut moved = Moved::all(description, &mesh, &dofs, &holdings, &carrying)?;
-        let jumps = joints.tightened(description, &dofs, false);
-        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(&dofs, carrying.groups, jump, history)));
+        let carrying = Carrying::new(description, mesh, dofs, (couplings, pairs), holdings)?;
+        let mut moved = Moved::all(description, mesh, dofs, holdings, &carrying)?;
+        let jumps = joints.tightened(description, dofs, false);
+        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(dofs, carrying.groups, jump, history)));
 
-        let contacts = Contacts::new(description, &mesh, &dofs, &moved, &pairs, &carrying)?;
+        let contacts = Contacts::new(description, mesh, dofs, &moved, pairs, &carrying)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -234,53 +220,43 @@ impl Model {
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
         let Motions { rates: mut motions, bends, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
-        let body = load::LoadedBody {
-            description,
-            mesh: &mesh,
-            dofs: &dofs,
-            couplings: &couplings,
-            element,
-            volumes: &volumes,
-            materials: &materials,
-        };
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
         for (k, load) in description.loads.iter().enumerate() {
-            let on_mesh = body.load(k)?;
-            let factors = within(end, &load.factors(end));
-            cases.push(LoadCase::new(dofs.forces(on_mesh.forces.iter().copied()), factors)?);
-            thermal.extend(on_mesh.free_strain.map(|strain| (strain, k)));
-            forces.push(on_mesh.forces);
+            let (on_nodes, free_strain) = load::load(description, &discrete, k)?;
+            cases.push(LoadCase::new(dofs.forces(on_nodes.iter().copied()), within(end, &load.factors(end)))?);
+            thermal.extend(free_strain.map(|strain| (strain, k)));
+            forces.push(on_nodes);
         }
-        prescribed(&moved, &contacts, (&dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
-        for (force, history) in joints.tightened(description, &dofs, true) {
+        prescribed(&moved, &contacts, (dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
+        for (force, history) in joints.tightened(description, dofs, true) {
             cases.push(LoadCase::new(dofs.forces([force]), history)?);
         }
         let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
-        let statics = Statics::new(&mesh, &dofs, rows, support::shares(&holdings), beds, &forces, &on_springs);
+        let statics = Statics::new(mesh, dofs, rows, support::shares(holdings), beds.clone(), &forces, &on_springs);
         let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
 
-        let recovery = Recovery::new(&mesh, &contacts, &contact_boundaries, &pairs.all);
-        let past = |contact: &ContactNode| support::moves_past(&moved, &dofs, &carrying, contact);
-        let ties = [pairs.ties(&dofs, &joints), carried::ties(&couplings, &mesh, &dofs)].concat();
-        let rigid_motions = unresisted_motions(&mesh, &dofs, &springs, &ties);
+        let recovery = Recovery::new(mesh, &contacts, &contact_boundaries, &pairs.all);
+        let past = |contact: &ContactNode| support::moves_past(&moved, dofs, &carrying, contact);
+        let ties = [pairs.ties(dofs, joints), holding::ties(couplings, mesh, dofs)].concat();
+        let rigid_motions = unresisted_motions(mesh, dofs, &springs, &ties);
         let shared = match &sharing {
             Some((share, body)) => body.stiffness(&contacts, share)?,
             None => None,
         };
         let stiffness = match stiffness.map(Stiffness::from).or(shared) {
             Some(stiffness) => stiffness,
-            None => assemble(&mesh, &dofs, element, law)?.into(),
+            None => assemble(mesh, dofs, *element, law)?.into(),
         };
-        let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(&mesh, &dofs)).collect();
+        let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(mesh, dofs)).collect();
         let problem = contact_problem(stiffness, &contacts, mu, rigid_modes, dofs.free())?;
+        let passed_by =
+            contacts.iter().map(|contact| motions::passes(contact, mesh.dimension, &obstacles, past)).collect();
+        let mortars = pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..]));
+        let passages = Passages::new(mesh, mortars);
+        let beside_the_end = recovery::beside_the_end(mesh, &contacts, &contact_boundaries);
+        let Discrete { mesh, couplings, joints, dofs, materials, pairs, volumes, .. } = discrete;
         Ok(Model {
-            passed_by: motions::passed_by(&contacts, mesh.dimension, &obstacles, past),
-            passages: Passages::new(
-                &mesh,
-                pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..])),
-            ),
-            beside_the_end: recovery::beside_the_end(&mesh, &contacts, &contact_boundaries),
             description: laid_out,
             mesh,
             materials,
@@ -301,6 +277,9 @@ impl Model {
             thermal,
             statics,
             recovery,
+            beside_the_end,
+            passages,
+            passed_by,
             surface: OnceLock::new(),
         })
     }
@@ -352,11 +331,8 @@ impl Model {
 fn find<'a>(mesh: &'a Mesh, name: &str, key: &str) -> Result<&'a Boundary, InputError> {
     mesh.boundary(name).ok_or_else(|| {
         if let Some((_, fault)) = mesh.notes.unusable.iter().find(|(group, _)| group == name) {
-            return InputError::new(
-                format!("{key}.boundary"),
-                format!("`{name}` is no boundary: {fault}"),
-                fault.help(),
-            );
+            let message = format!("`{name}` is no boundary: {fault}");
+            return InputError::new(format!("{key}.boundary"), message, fault.help());
         }
         let known = mesh.boundary_names();
         let help = if known.is_empty() {

@@ -36,8 +36,9 @@ mod prelude {
 }
 
 use super::report::{BalanceWatch, Estimates, ForceJump, is_as_large};
-use crate::body::contact::{Passed, RangeLeft};
+use crate::body::contact::Passed;
 use crate::body::model::LargeMotion;
+use crate::body::model::RangeLeft;
 use crate::solver::history::{HistoryOutcome, SolverChoice, Status};
 use crate::solver::laws::ContactStatus;
 

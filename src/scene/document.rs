@@ -1,25 +1,20 @@
 //! The tables of a scene file as they are deserialised.
 
-mod body;
-mod output;
-
 use std::fmt;
 use std::marker::PhantomData;
 
-pub(super) use body::{BodyTable, Material, Mesh, MeshKind};
-pub(super) use output::{Cycle, Output, Probe, Times};
-
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{self, IntoDeserializer, MapAccess, SeqAccess, Visitor};
-use serde::{Deserialize, Deserializer};
+use serde::de::{IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, de};
 
-use super::SceneError;
 use super::error::Source;
-use super::syntax;
+use super::{SceneError, syntax};
 use crate::algebra::vector::Vector;
 use crate::base::units::Units;
 use crate::body::contact::GapDirection;
 use crate::body::description::{CouplingKind, Slave};
+use crate::body::fem::{Element, MaterialGroup, Plane};
+use crate::body::mesh::CellKind;
 use crate::solver::formulation::Partition;
 use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
 
@@ -406,5 +401,135 @@ const LINEAR: [&str; 9] =
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {
         toml::from_str(&source.text).map_err(|error| syntax::error(error, source))
+    }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct BodyTable {
+    pub name: String,
+    pub at: Option<Vector>,
+    pub mesh: Mesh,
+    pub material: Material,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum MeshKind {
+    Block,
+    HalfPlane,
+    Gmsh,
+    Abaqus,
+    Unv,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Mesh {
+    pub kind: MeshKind,
+    pub size: Option<Vec<Segments<f64>>>,
+    pub cells: Option<CellKind>,
+    pub file: Option<String>,
+    pub scale: Option<f64>,
+    pub element: Option<Element>,
+    pub elements: Option<Vec<Segments<i64>>>,
+    pub grading: Option<Vec<Segments<f64>>>,
+    pub origin: Option<Vector>,
+    pub contact_width: Option<f64>,
+    pub contact_elements: Option<i64>,
+    pub outer_elements: Option<i64>,
+    pub layers: Option<i64>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Material {
+    pub young: f64,
+    pub poisson: f64,
+    pub plane: Option<Plane>,
+    pub thickness: Option<f64>,
+    pub density: Option<f64>,
+    pub expansion: Option<f64>,
+    #[serde(default)]
+    pub layers: Vec<Tuple<f64, 3>>,
+    #[serde(default)]
+    pub group: Vec<MaterialGroup>,
+}
+
+#[derive(Deserialize, Default)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Output {
+    pub times: Option<Times>,
+    pub every: Option<i64>,
+    #[serde(default)]
+    pub fields: bool,
+    #[serde(default)]
+    pub deformed: bool,
+    pub magnification: Option<f64>,
+    pub cycle: Option<Cycle>,
+    pub wear_coefficient: Option<f64>,
+    #[serde(default)]
+    pub probe: Vec<Probe>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Probe {
+    pub name: String,
+    pub point: Option<Vector>,
+    pub from: Option<Vector>,
+    pub to: Option<Vector>,
+    pub points: Option<i64>,
+}
+
+/// A load cycle.
+pub(super) enum Cycle {
+    /// The last one.
+    Last,
+    /// The one between these times, s.
+    Between(Vec<f64>),
+}
+
+/// Times of output.
+pub(super) enum Times {
+    /// The beginning and the end of each increment.
+    All,
+    /// The end of the first increment that reaches each of these times, s.
+    These(Vec<f64>),
+}
+
+impl<'de> Deserialize<'de> for Times {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = WordOrTimes { word: "all", expected: "a list of times or \"all\"" };
+        Ok(deserializer.deserialize_any(visitor)?.map_or(Times::All, Times::These))
+    }
+}
+
+impl<'de> Deserialize<'de> for Cycle {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let visitor = WordOrTimes { word: "last", expected: "the times of its beginning and its end, or \"last\"" };
+        Ok(deserializer.deserialize_any(visitor)?.map_or(Cycle::Last, Cycle::Between))
+    }
+}
+
+/// Reads a list of times, or one word: `None`.
+struct WordOrTimes {
+    word: &'static str,
+    expected: &'static str,
+}
+
+impl<'de> Visitor<'de> for WordOrTimes {
+    type Value = Option<Vec<f64>>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.expected)
+    }
+
+    fn visit_str<E: de::Error>(self, word: &str) -> Result<Self::Value, E> {
+        if word == self.word { Ok(None) } else { Err(E::invalid_value(de::Unexpected::Str(word), &self)) }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Some)
     }
 }

@@ -4,11 +4,7 @@
 mod action;
 mod bodies;
 mod contact;
-mod coupling;
-mod mesh;
-mod obstacle;
 mod output;
-mod pretension;
 mod solver;
 
 use std::path::Path;
@@ -62,10 +58,10 @@ fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
         mesh,
         element,
         material,
-        couplings: reader.each("coupling", document.coupling, coupling::coupling)?,
+        couplings: reader.each("coupling", document.coupling, action::coupling)?,
         supports: reader.each("support", document.support, action::support)?,
         contacts: reader.each("contact", document.contact, contact::contact)?,
-        pretensions: reader.each("pretension", document.pretension, pretension::pretension)?,
+        pretensions: reader.each("pretension", document.pretension, action::pretension)?,
         springs: reader.each("spring", document.spring, action::spring)?,
         loads: reader.each("load", document.load, action::load)?,
         times: time.all(),

@@ -1,11 +1,15 @@
-//! Assembly of the stiffness matrix of a mesh.
+//! Assembly of the stiffness matrix of a mesh, and of its rows at held nodes: support forces, and forces on the rest of the
+//! body due to prescribed displacements.
+
+use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use super::dofs::Dofs;
-use crate::algebra::sparse::Symmetric;
+use crate::algebra::sparse::{Csr, Symmetric};
 use crate::body::fem::{
-    Elasticity, Element, InvertedElement, NodalVolume, NodalVolumes, Spring, element_stiffness, uniform_traction,
+    Elasticity, Element, InvertedElement, NodalForces, NodalVolume, NodalVolumes, Spring, element_stiffness,
+    uniform_traction,
 };
 use crate::body::mesh::{Boundary, Mesh};
 
@@ -52,7 +56,7 @@ pub(crate) fn assemble_part(
 
 /// Assembles `K` with the nodal volumes of the mesh and springs. Calls `watch` with the nodes and the stiffness of every cell,
 /// nodal volume and spring, for the components x, y and z of all nodes.
-pub(super) fn assemble_watched(
+fn assemble_watched(
     mesh: &Mesh,
     dofs: &Dofs,
     element: Element,
@@ -77,7 +81,7 @@ fn assemble_entries(
 ) -> Result<Symmetric, InvertedElement> {
     let mut k = Symmetric::of(dofs.free(), |take| {
         let of_cells = cells.iter().map(|&e| &mesh.cells[e].nodes[..]);
-        for nodes in of_cells.chain(volumes.iter().map(NodalVolume::nodes)) {
+        for nodes in of_cells.chain(volumes.volumes.iter().map(|volume: &NodalVolume| &volume.nodes[..])) {
             let unknowns = dofs.unknowns_of(nodes);
             for (k, &column) in unknowns.iter().enumerate() {
                 unknowns[k..].iter().filter(|row| wanted(**row, column)).for_each(|&row| take(row, column));
@@ -105,8 +109,8 @@ fn assemble_entries(
             add(nodes, &k);
         }
     })?;
-    for volume in volumes.iter().filter(|volume| !dofs.are_rigid(volume.nodes())) {
-        add(volume.nodes(), &volume.stiffness(mesh.dimension));
+    for volume in volumes.volumes.iter().filter(|volume| !dofs.are_rigid(&volume.nodes)) {
+        add(&volume.nodes, &volume.stiffness(mesh.dimension));
     }
     for spring in springs {
         add(spring.nodes(), spring.stiffness());
@@ -115,7 +119,7 @@ fn assemble_entries(
 }
 
 /// Calls a function with the nodes and the stiffness of each of `cells` in order.
-pub(super) fn each_stiffness(
+fn each_stiffness(
     mesh: &Mesh,
     element: Element,
     law: impl Fn(usize) -> Elasticity + Sync,
@@ -137,7 +141,7 @@ pub(super) fn each_stiffness(
 }
 
 /// Returns the cells with a `wanted` node, ascending.
-pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
+fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize> {
     let has = |e: &usize| mesh.cells[*e].nodes.iter().any(|node| wanted(*node));
     (0..mesh.cells.len()).filter(has).collect()
 }
@@ -146,6 +150,94 @@ pub(super) fn cells_at(mesh: &Mesh, wanted: impl Fn(usize) -> bool) -> Vec<usize
 /// circumference) of a uniform `traction` (N/m²) on `boundary`: `∫ N_a t dA`.
 pub fn facet_load(mesh: &Mesh, dofs: &Dofs, boundary: &Boundary, traction: [f64; 3]) -> Vec<f64> {
     dofs.forces(uniform_traction(mesh, boundary, traction))
+}
+
+/// The rows of the stiffness of a body, including springs, at held nodes and at nodes whose displacements are relative
+/// to held nodes. Rows and columns are for the components x, y and z of all nodes; the rows of other nodes are empty.
+#[derive(Debug, Clone)]
+pub(crate) struct HeldRows(Csr);
+
+impl HeldRows {
+    /// Assembles `K` like [`super::assemble`], with `springs`, and the rows at the held nodes of `dofs`; `volumes` are
+    /// those of the mesh.
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first inverted or degenerate element.
+    pub fn beside(
+        mesh: &Mesh,
+        dofs: &Dofs,
+        element: Element,
+        volumes: &NodalVolumes,
+        material: impl Fn(usize) -> Elasticity + Sync,
+        springs: &[Spring],
+    ) -> Result<(Symmetric, Self), InvertedElement> {
+        let mut gathered = Gathered::new(dofs);
+        let watch = |nodes: &[usize], stiffness: &[Vec<f64>]| gathered.add(nodes, stiffness);
+        let stiffness = assemble_watched(mesh, dofs, element, (volumes, springs), material, watch)?;
+        Ok((stiffness, gathered.rows()))
+    }
+
+    /// Assembles only the rows, for a body without springs and nodal volumes whose `K` other processes assemble.
+    ///
+    /// # Errors
+    /// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
+    pub fn alone(
+        mesh: &Mesh,
+        dofs: &Dofs,
+        element: Element,
+        material: impl Fn(usize) -> Elasticity + Sync,
+    ) -> Result<Self, InvertedElement> {
+        let mut gathered = Gathered::new(dofs);
+        let cells = cells_at(mesh, |node| gathered.rows.contains_key(&node));
+        let mut add = |nodes: &[usize], stiffness: Vec<Vec<f64>>| gathered.add(nodes, &stiffness);
+        each_stiffness(mesh, element, material, &cells, &mut add)?;
+        Ok(gathered.rows())
+    }
+
+    /// Computes `K u` at these nodes, and 0 at others, N, for the displacements `u` (m) of all nodes plus `rest`, their
+    /// low-order part.
+    pub fn forces(&self, u: &[[f64; 3]], rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (u_of, rest) = (u.as_flattened(), rest.as_flattened());
+        (0..u.len()).map(|node| [0, 1, 2].map(|c| self.0.difference(3 * node + c, u_of, rest, 0.0))).collect()
+    }
+
+    /// Computes `K u` at all nodes (N) if only these nodes are displaced, by `displacements` (m, all nodes).
+    pub fn response(&self, displacements: &[[f64; 3]]) -> NodalForces {
+        let mut forces = vec![0.0; self.0.columns()];
+        self.0.add_transposed(displacements.as_flattened(), &mut forces);
+        forces.as_chunks().0.iter().copied().enumerate().filter(|(_, force)| *force != [0.0; 3]).collect()
+    }
+}
+
+/// Accumulates the rows cell by cell.
+struct Gathered {
+    /// The number of all nodes.
+    all: usize,
+    rows: BTreeMap<usize, [Vec<(usize, f64)>; 3]>,
+}
+
+impl Gathered {
+    fn new(dofs: &Dofs) -> Self {
+        let held = (0..dofs.nodes()).filter(|node| dofs.is_held(*node));
+        let rows = held.chain(dofs.followers()).map(|node| (node, Default::default())).collect();
+        Gathered { all: dofs.nodes(), rows }
+    }
+
+    /// Adds the stiffness of a cell or spring with these nodes.
+    fn add(&mut self, nodes: &[usize], stiffness: &[Vec<f64>]) {
+        let d = stiffness.len() / nodes.len();
+        for (a, node) in nodes.iter().enumerate() {
+            let Some(of_node) = self.rows.get_mut(node) else { continue };
+            for (row, values) in of_node.iter_mut().zip(&stiffness[d * a..d * (a + 1)]) {
+                row.extend(values.iter().enumerate().map(|(j, value)| (3 * nodes[j / d] + j % d, *value)));
+            }
+        }
+    }
+
+    fn rows(mut self) -> HeldRows {
+        let of_node = |node: usize| self.rows.remove(&node).unwrap_or_default();
+        HeldRows(Csr::of_rows(3 * self.all, (0..self.all).flat_map(of_node)))
+    }
 }
 
 #[cfg(test)]

@@ -1,10 +1,17 @@
-//! The numbering of the free displacements.
+//! The numbering of the free displacements, those of nodes outside the mesh included: the two nodes of each reference point,
+//! which carries nodes of the mesh, and the jumps between the two sides of glued pairs.
+//!
+//! A node at `x` that a point at `p` carries moves by `u(x) = U + θ × (x - p)`. The first node of the point has the
+//! translation `U` as its displacement, the second one `r θ`, where the length `r` gives the unknowns one size; in two
+//! dimensions its first component is `r θ_z`, and the second is held.
+//!
+//! The rows of a pair with the jump `J` are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
+//! free axes it is an unknown, on which the force across the pair acts.
 
 use std::collections::BTreeMap;
 
-use super::reference_point::{Jump, ReferencePoint};
-use super::relative::Relative;
-use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, unit};
+use super::relative::{Coefficient, Relative};
+use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Geometry, Mesh};
 
 /// Three orthogonal directions, the axes of the displacement components of a node.
@@ -16,7 +23,7 @@ type Frame = [[f64; 3]; 3];
 /// turned so that the held directions are axes of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
-    dimension: usize,
+    pub(crate) dimension: usize,
     /// The number of nodes of the mesh; the two nodes of each reference point and the node of each jump follow.
     pub(super) of_mesh: usize,
     /// The reference points.
@@ -43,6 +50,9 @@ pub const SAME_DIRECTION: f64 = 1e-9;
 
 /// A component of a unit vector along an axis of an oblique frame counts as rounding if it is at most this.
 const AXIS_ROUNDING: f64 = 1e-14;
+
+/// A linear form of displacements, `Σ c_k · u(x_k)`, as nodes and their coefficients.
+pub type Tie = Vec<(usize, [f64; 3])>;
 
 impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
@@ -109,11 +119,6 @@ impl Dofs {
             self.numbers.push(counts.then_some(self.free));
             self.free += usize::from(counts);
         }
-    }
-
-    /// Returns the number of dimensions.
-    pub(crate) fn dimension(&self) -> usize {
-        self.dimension
     }
 
     /// Returns the number of nodes, including those of reference points and jumps.
@@ -214,6 +219,136 @@ impl Dofs {
         }
         displacements
     }
+
+    /// Returns the reference point of a node outside the mesh, and `true` for the node of its rotation.
+    pub(super) fn point_of(&self, node: usize) -> Option<(&ReferencePoint, bool)> {
+        let beyond = node.checked_sub(self.of_mesh)?;
+        Some((self.points.get(beyond / 2)?, beyond % 2 == 1))
+    }
+
+    /// Returns `true` if there are nodes outside the mesh: those of reference points and jumps.
+    pub fn has_nodes_outside(&self) -> bool {
+        self.nodes() > self.of_mesh
+    }
+
+    /// Returns `true` for a node whose displacement is the rotation of a reference point.
+    pub fn is_rotation(&self, node: usize) -> bool {
+        self.point_of(node).is_some_and(|(_, rotation)| rotation)
+    }
+
+    /// Returns the node of the translation for that of the rotation of a reference point, and other nodes unchanged.
+    pub fn translating(&self, node: usize) -> usize {
+        if self.is_rotation(node) { node - 1 } else { node }
+    }
+
+    /// Returns the nodes of translation and rotation of reference point `k`.
+    pub fn nodes_of_point(&self, k: usize) -> [usize; 2] {
+        [self.of_mesh + 2 * k, self.of_mesh + 2 * k + 1]
+    }
+
+    /// Returns the node of the mesh that belongs to `node`: the node itself or, for a node of a reference point, one
+    /// that the point carries, and for a jump one on its first side.
+    pub fn in_mesh(&self, node: usize) -> usize {
+        match self.jump_of(node) {
+            Some(jump) => jump.node,
+            None => self.point_of(node).map_or(node, |(point, _)| point.carried),
+        }
+    }
+
+    /// Returns the force on the node of the rotation of point `k` that is equivalent to a `moment`, N m.
+    pub fn of_moment(&self, k: usize, moment: [f64; 3]) -> [f64; 3] {
+        let radius = self.points[k].radius;
+        self.points[k].of_rotation(self.dimension, moment).map(|x| x / (radius * radius))
+    }
+
+    /// Returns the rotation (rad) of point `k` from the displacement of its second node.
+    pub fn rotation(&self, k: usize, u: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = u.map(|u| u / self.points[k].radius);
+        if self.dimension == 2 { [0.0, 0.0, x] } else { [x, y, z] }
+    }
+
+    /// Returns the moment (N m) of a force on the node of a rotation; `None` for other nodes.
+    pub fn moment(&self, node: usize, force: [f64; 3]) -> Option<[f64; 3]> {
+        let (point, _) = self.point_of(node).filter(|(_, rotation)| *rotation)?;
+        let [x, y, z] = force.map(|f| point.radius * f);
+        Some(if self.dimension == 2 { [0.0, 0.0, x] } else { [x, y, z] })
+    }
+
+    /// Returns the stiffness (N/m, along the components of the second node) of a `rotational` stiffness of point `k`, N m.
+    pub fn of_rotational(&self, k: usize, rotational: [f64; 3]) -> [f64; 3] {
+        let radius = self.points[k].radius;
+        self.of_moment(k, rotational).map(|x| x / radius)
+    }
+
+    /// Returns `true` if the other nodes of `relation` can move along the parts of `n` that act on them: supports do not
+    /// hold them there, or move them along such an axis, as `moved` tells for a node and an axis.
+    pub fn may_move(&self, relation: &Relative, n: [f64; 3], moved: impl Fn(usize, [f64; 3]) -> bool) -> bool {
+        relation.others.iter().any(|(other, coefficient)| {
+            let along = self.in_frame(*other, coefficient.transposed_times(n));
+            let axes = self.axes(*other).into_iter().enumerate();
+            axes.filter(|(a, _)| along[*a].abs() > SAME_DIRECTION)
+                .any(|(a, axis)| !self.is_held_along(*other, a) || moved(*other, axis))
+        })
+    }
+
+    /// Returns the form `n · (u - Σ coefficient · u_other)` of a relation.
+    pub fn tie(&self, relation: &Relative, n: [f64; 3]) -> Tie {
+        let others = relation.others.iter().map(|(other, c)| (*other, c.transposed_times(n).map(|x| -x)));
+        std::iter::once((relation.node, n)).chain(others).collect()
+    }
+
+    /// Returns `true` if one reference point carries all of `nodes`, which then cause no strain.
+    pub fn are_rigid(&self, nodes: &[usize]) -> bool {
+        let first = nodes.first().and_then(|node| self.point_carrying(*node));
+        first.is_some() && nodes.iter().all(|node| self.point_carrying(*node) == first)
+    }
+
+    /// Returns the reference point that carries `node`, if one does.
+    pub fn point_carrying(&self, node: usize) -> Option<usize> {
+        let (other, _) = self.relative.get(&node)?.others.first()?;
+        self.point_of(*other)?;
+        Some((other - self.of_mesh) / 2)
+    }
+
+    /// Returns the position of a node of the mesh or of a reference point, m, and for a jump that of its node.
+    pub fn position(&self, mesh: &Mesh, node: usize) -> [f64; 3] {
+        self.point_of(node).map_or_else(|| mesh.nodes[self.in_mesh(node)], |(point, _)| point.position)
+    }
+
+    /// Returns the relation that lets point `k` carry `node` of the mesh.
+    pub fn carried_by(&self, mesh: &Mesh, k: usize, node: usize) -> Relative {
+        let [translation, rotation] = self.nodes_of_point(k);
+        let arm = self.points[k].arm(mesh.dimension, mesh.nodes[node]);
+        let others = vec![(translation, Coefficient::Factor(1.0)), (rotation, Coefficient::Matrix(Box::new(arm)))];
+        Relative { node, own: 1.0, others, tied: true }
+    }
+
+    /// Returns the node of jump `k`. These nodes follow those of reference points.
+    pub fn node_of_jump(&self, k: usize) -> usize {
+        self.of_mesh + 2 * self.points.len() + k
+    }
+
+    /// Returns the jump of a node outside the mesh.
+    pub(super) fn jump_of(&self, node: usize) -> Option<&Jump> {
+        self.jumps.get(node.checked_sub(self.node_of_jump(0))?)
+    }
+
+    /// Returns `true` for a node whose displacement is a jump.
+    pub fn is_jump(&self, node: usize) -> bool {
+        self.jump_of(node).is_some()
+    }
+
+    /// Returns jump `k` as the sum `Σ c u` of displacements of nodes.
+    pub fn sum_of_jump(&self, k: usize) -> &[(usize, f64)] {
+        self.jumps.get(k).map_or(&[], |jump| &jump.sum)
+    }
+
+    /// Sets the sum of displacements that is jump `k`.
+    pub(crate) fn set_jump(&mut self, k: usize, sum: Vec<(usize, f64)>) {
+        if let Some(jump) = self.jumps.get_mut(k) {
+            jump.sum = sum;
+        }
+    }
 }
 
 /// Returns an orthonormal basis of the span of the unit vectors `directions`, beginning with those along coordinate
@@ -250,6 +385,58 @@ pub fn normal_frame(n: [f64; 3], dimension: usize) -> Frame {
     let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
     let first = axis_across(least, n);
     [first, cross(n, first), n]
+}
+
+/// A point that carries nodes of a mesh as a rigid body.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReferencePoint {
+    /// Its position, m.
+    pub position: [f64; 3],
+    /// The length `r` by which rotations are multiplied, m.
+    pub radius: f64,
+    /// A node that it carries.
+    pub carried: usize,
+}
+
+impl ReferencePoint {
+    /// Creates the point at `position` (m) that carries `nodes` of `mesh`, which must not be empty.
+    pub fn new(mesh: &Mesh, position: [f64; 3], nodes: &[usize]) -> Self {
+        let arm = |node: &usize| norm(minus(mesh.nodes[*node], position));
+        let radius = nodes.iter().map(arm).fold(0.0, f64::max);
+        let radius = if radius > 0.0 { radius } else { mesh.size() };
+        ReferencePoint { position, radius, carried: nodes.first().copied().unwrap_or(0) }
+    }
+
+    /// Returns the displacement of its second node for a `rotation`, rad.
+    pub fn of_rotation(&self, dimension: usize, rotation: [f64; 3]) -> [f64; 3] {
+        let [x, y, z] = rotation.map(|angle| self.radius * angle);
+        if dimension == 2 { [z, 0.0, 0.0] } else { [x, y, z] }
+    }
+
+    /// Returns the matrix `θ × (x - p)` of the displacement of the second node.
+    pub(super) fn arm(&self, dimension: usize, x: [f64; 3]) -> [[f64; 3]; 3] {
+        let [x, y, z] = minus(x, self.position).map(|arm| arm / self.radius);
+        match dimension {
+            2 => [[-y, 0.0, 0.0], [x, 0.0, 0.0], [0.0; 3]],
+            _ => [[0.0, z, -y], [-z, 0.0, x], [y, -x, 0.0]],
+        }
+    }
+}
+
+/// The jump between the two sides of a glued pair.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Jump {
+    /// A node of the mesh on the first side.
+    pub node: usize,
+    /// The jump as the sum `Σ c u` of displacements of nodes; empty if it is held along all axes.
+    pub sum: Vec<(usize, f64)>,
+}
+
+impl Jump {
+    /// Returns the jump for the displacements `u` of the nodes of the mesh, m.
+    pub(super) fn at(&self, u: impl Fn(usize) -> [f64; 3]) -> [f64; 3] {
+        self.sum.iter().fold([0.0; 3], |sum, &(node, c)| plus(sum, c, u(node)))
+    }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::dofs::Dofs;
+use super::dofs::{Dofs, Tie};
 use crate::algebra::null_space::{NEGLIGIBLE, Row, null_space};
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
@@ -187,8 +187,16 @@ impl fmt::Display for RigidMotion {
     }
 }
 
-/// A linear form of displacements, `Σ c_k · u(x_k)`, as nodes and their coefficients.
-pub type Tie = Vec<(usize, [f64; 3])>;
+impl Dofs {
+    /// Returns the displacement of a node of the mesh or of a reference point in a rigid motion.
+    pub fn in_motion(&self, mesh: &Mesh, node: usize, motion: &BodyMotion) -> [f64; 3] {
+        match self.point_of(node) {
+            None => motion.at(mesh.nodes[node]),
+            Some((point, false)) => motion.at(point.position),
+            Some((point, true)) => point.of_rotation(mesh.dimension, motion.rotation),
+        }
+    }
+}
 
 /// Computes the rigid motions of `mesh` that the fixed components of `dofs` leave free.
 ///

@@ -37,7 +37,7 @@ impl Dofs {
                 {
                     *sum.entry(dof).or_insert(0.0) += value;
                 }
-                self.beyond.insert(self.dimension() * node + a, sum.into_iter().collect());
+                self.beyond.insert(self.dimension * node + a, sum.into_iter().collect());
             }
         }
         Ok(self)
@@ -163,7 +163,7 @@ impl Dofs {
 
     /// Returns the unknowns in the displacements of `nodes`, ascending.
     pub(super) fn unknowns_of(&self, nodes: &[usize]) -> Vec<usize> {
-        let d = self.dimension();
+        let d = self.dimension;
         let rows = nodes.iter().flat_map(|node| d * node..d * (node + 1));
         let mut unknowns: Vec<usize> = rows.flat_map(|k| self.row(k)).map(|(dof, _)| dof).collect();
         unknowns.sort_unstable();

@@ -8,34 +8,26 @@
 //! ```
 //!
 //! where i are nodes of the slave and k nodes of the master. The integrals are over the part of the slave that the
-//! master covers, seen along the normal ν of each slave facet. Since ψ is biorthogonal (`basis`), D is the identity on
+//! master covers, seen along the normal ν of each slave facet. Since ψ is biorthogonal (`cover`), D is the identity on
 //! facets of first order, so that the law at each node is independent, and `2 u_m - ½ (u_a + u_b)` on facets of second
 //! order. Between matching meshes the rows connect node to node.
 
-mod basis;
 mod bulge;
 mod cover;
-mod error;
 mod facet;
 mod normals;
-mod search;
-mod segment;
 mod side;
-mod supports;
-mod surface;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub use error::MortarFault;
+pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
-pub use supports::Supports;
 
-use crate::algebra::vector::{dot, minus, plus, unit};
+use crate::algebra::vector::{Vector, dot, minus, plus, unit};
 use crate::body::constraints::merged;
 use crate::body::fem::{bernstein, facet_weights};
 use crate::body::mesh::{Boundary, Facet, Mesh};
 use cover::{Cover, Covers};
-use error::place;
 
 /// A node has no row if less than this share of it is covered.
 const THIN: f64 = 1e-6;
@@ -157,11 +149,11 @@ impl Mortar {
         options: &MortarOptions,
         supports: &dyn Supports,
     ) -> Result<Self, MortarFault> {
-        search::convex(mesh, slave)?;
-        search::convex(mesh, master)?;
-        let search = options.search.unwrap_or_else(|| search::default_search(mesh, [slave, master]));
+        cover::convex(mesh, slave)?;
+        cover::convex(mesh, master)?;
+        let search = options.search.unwrap_or_else(|| cover::default_search(mesh, [slave, master]));
         let covers = Covers::new(mesh, slave, master, search)?;
-        let still = supports::still(slave, &covers.facets, supports);
+        let still = normals::still(slave, &covers.facets, supports);
         let still_of = |node: usize| still.get(&node).cloned().unwrap_or_default();
         let mut normals = normals::nodal(mesh, slave, &still)?;
         if let Some(direction) = options.direction.map(unit) {
@@ -182,7 +174,7 @@ impl Mortar {
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
-            for part in basis::parts(mesh, facet, cover, &lost) {
+            for part in cover::parts(mesh, facet, cover, &lost) {
                 let turns = mesh.is_quadratic(facet);
                 sums.entry(part.node).or_default().add(mesh, &edges, (cover.normal, turns), part);
             }
@@ -346,8 +338,8 @@ struct Sum {
 
 impl Sum {
     /// Adds a part of a facet with this normal; `turns` if the normal of the node takes its place.
-    fn add(&mut self, mesh: &Mesh, edges: &Edges, (facing, turns): ([f64; 3], bool), part: basis::FacetShare) {
-        let basis::FacetShare { node, weight, slave, master, bulge } = part;
+    fn add(&mut self, mesh: &Mesh, edges: &Edges, (facing, turns): ([f64; 3], bool), part: cover::FacetShare) {
+        let cover::FacetShare { node, weight, slave, master, bulge } = part;
         let [slave, master] = [slave, master].map(|terms| nodal(terms, edges));
         // Distances are taken from the node itself, so that coincident points contribute exactly 0.
         let mean = |terms: &BTreeMap<usize, f64>| {
@@ -405,7 +397,7 @@ fn lost(
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             *whole.entry(node).or_default() += weight;
         }
-        for part in basis::parts(mesh, facet, cover, &lost) {
+        for part in cover::parts(mesh, facet, cover, &lost) {
             *covered.entry(part.node).or_default() += part.weight;
         }
     }
@@ -442,4 +434,137 @@ fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize
     }
     let counts = |(node, [covered, whole]): (usize, [f64; 2])| (covered > THIN * whole).then_some((node, covered));
     weights.into_iter().filter_map(counts).collect()
+}
+
+/// The error of two boundaries that cannot be paired.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[error("{}", self.told(|x| format!("{x} m"), |at| format!("{at:?}")))]
+pub enum MortarFault {
+    /// The master is nowhere in front of the slave within the search distance.
+    NothingInFront {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+        /// The search distance, m.
+        search: f64,
+        /// The least distance between the two, m.
+        least: f64,
+        /// The position of the least distance, m.
+        at: Vector,
+    },
+    /// Two layers of the master are in front of part of a slave facet.
+    TwoLayers {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
+    /// A quadrilateral that cannot be clipped.
+    NotConvex {
+        /// The boundary.
+        boundary: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
+    /// A facet is bent so much that places in front of the other boundary have no local coordinates: the facet folds there, or an edge
+    /// bends far away from its chord.
+    TooBent {
+        /// The boundary.
+        boundary: String,
+        /// The centre of the facet, m.
+        at: Vector,
+    },
+    /// Supports hold all slave nodes in front of the master along their normals.
+    SlaveHeld {
+        /// The slave boundary.
+        slave: String,
+        /// The master boundary.
+        master: String,
+    },
+    /// Facets that meet in a node, or that are in front of it, have opposite normals.
+    NormalsCancel {
+        /// The boundary.
+        boundary: String,
+        /// The position of the node, m.
+        at: Vector,
+    },
+    /// The given direction points into the slave.
+    Inwards {
+        /// The slave boundary.
+        slave: String,
+        /// The position of the node, m.
+        at: Vector,
+    },
+}
+
+impl MortarFault {
+    /// Describes the fault, with lengths and places in the words of `length` and `place`.
+    pub(crate) fn told(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
+        match self {
+            MortarFault::NothingInFront { slave, master, search, least, at } => format!(
+                "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
+                length(*search),
+                length(*least),
+                place(at)
+            ),
+            MortarFault::TwoLayers { slave, master, at } => {
+                format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
+            }
+            MortarFault::NotConvex { boundary, at } => {
+                format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
+            }
+            MortarFault::TooBent { boundary, at } => {
+                let at = place(at);
+                format!("the facet of `{boundary}` at {at} is bent too much, seen along the normal of the slave")
+            }
+            MortarFault::SlaveHeld { slave, master } => {
+                format!("supports or a coupling hold `{slave}` along its normal wherever `{master}` is in front of it")
+            }
+            MortarFault::NormalsCancel { boundary, at } => {
+                format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
+            }
+            MortarFault::Inwards { slave, at } => {
+                format!("the direction points into the body at {} of `{slave}`", place(at))
+            }
+        }
+    }
+
+    /// Returns the correction, in words.
+    pub fn help(&self) -> &'static str {
+        match self {
+            MortarFault::NothingInFront { search, least, .. } if least <= search => {
+                "let the two face each other, so that the normals of the one meet facets of the other that look back"
+            }
+            MortarFault::NothingInFront { .. } => "give a longer `search`, or move the bodies to where they meet",
+            MortarFault::TwoLayers { .. } => {
+                "give a shorter `search`, or name only the part of the boundary that is to be met"
+            }
+            MortarFault::NotConvex { .. } => {
+                "mesh again; no angle of a quadrilateral on a contact boundary may exceed 180°"
+            }
+            MortarFault::TooBent { .. } => {
+                "mesh again, finer where the boundary is curved, or name only the part of it that faces the other"
+            }
+            MortarFault::SlaveHeld { .. } => "swap the two: what nothing holds is to be the slave",
+            MortarFault::NormalsCancel { .. } => "name the two sides of a sharp edge as different boundaries",
+            MortarFault::Inwards { .. } => "turn the direction round: it points out of the slave, towards the master",
+        }
+    }
+
+    /// Returns the key in a contact that the fault concerns.
+    pub(crate) fn key(&self) -> &'static str {
+        match self {
+            MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
+            MortarFault::Inwards { .. } => "direction",
+            _ => "against",
+        }
+    }
+}
+
+/// Returns a point for messages, with two coordinates in two dimensions.
+fn place(mesh: &Mesh, [x, y, z]: [f64; 3]) -> Vector {
+    if mesh.dimension == 2 { [x, y].into() } else { [x, y, z].into() }
 }

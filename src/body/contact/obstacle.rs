@@ -1,14 +1,13 @@
-//! Rigid obstacles as seen from the nodes of a boundary.
+//! Rigid obstacles as seen from the nodes of a boundary. In front of a body of revolution they are bodies of revolution about
+//! the same axis, x = 0, and keep this symmetry as they move.
 
 use std::sync::Arc;
 
-use super::cone::SolidCone;
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
-use super::gap_table::GapTable;
-use super::obstacle_error::ObstacleError;
-use super::revolution::{centred, is_about_axis, moves_along_axis};
-use super::surface::Surface;
-use super::triangles::{Chords, Triangles};
+use super::gap_table::{GapTable, TableError};
+use super::surface::{SolidCone, Surface};
+use super::tree::Bounds;
+use super::triangles::{Chords, SurfaceError, Triangles};
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Geometry, Mesh};
 
@@ -95,10 +94,24 @@ impl PlacedObstacle {
             (Some(axis), _) => Ok(axis),
         };
         let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
-        let flat = mesh.dimension == 2;
-        let round_about = mesh.geometry == Geometry::Axisymmetric;
-        if round_about {
+        if mesh.geometry == Geometry::Axisymmetric {
             moves_along_axis(given, normal)?;
+        }
+        // Shapes of three dimensions, each with `true` if it is about the axis of a body of revolution.
+        let in_space = match given.shape {
+            Shape::Sphere { radius, place } => Some(("sphere", is_centred(place, radius, normal))),
+            Shape::Socket { radius, place } => Some(("socket", is_centred(place, -radius, normal))),
+            Shape::Cone { apex, axis, .. } => Some(("cone", is_about_axis(apex, along(axis).unwrap_or(normal)))),
+            _ => None,
+        };
+        match (in_space, mesh.geometry) {
+            (Some((shape, false)), Geometry::Axisymmetric) => return Err(ObstacleError::OffAxis(shape)),
+            (Some(_), Geometry::Axisymmetric) => {}
+            (Some((shape, _)), _) if mesh.dimension == 2 => return Err(ObstacleError::OnlyInSpace(shape)),
+            _ if mesh.dimension == 2 && matches!(given.shape, Shape::Surface { .. }) => {
+                return Err(ObstacleError::OnlyInSpace("surface"));
+            }
+            _ => {}
         }
         let surface = match &given.shape {
             Shape::Plane { gap } => {
@@ -108,23 +121,6 @@ impl PlacedObstacle {
             Shape::PlaneThrough { through } => Surface::Plane { level: dot(normal, through.components()), gap: 0.0 },
             Shape::Cylinder { radius, place, axis: given } => round(*radius, *place, Some(axis(*given)?)),
             Shape::Bore { radius, place, axis: given } => round(-radius, *place, Some(axis(*given)?)),
-            Shape::Sphere { place, radius } if round_about && centred(place.apex(*radius, normal), *radius, normal) => {
-                round(*radius, *place, None)
-            }
-            Shape::Socket { place, radius } if round_about && centred(place.apex(-radius, normal), -radius, normal) => {
-                round(-radius, *place, None)
-            }
-            Shape::Sphere { .. } if round_about => return Err(ObstacleError::OffAxis("sphere")),
-            Shape::Socket { .. } if round_about => return Err(ObstacleError::OffAxis("socket")),
-            Shape::Sphere { .. } if flat => return Err(ObstacleError::OnlyInSpace("sphere")),
-            Shape::Socket { .. } if flat => return Err(ObstacleError::OnlyInSpace("socket")),
-            Shape::Cone { apex, axis: given, .. }
-                if round_about && !is_about_axis(*apex, along(*given).unwrap_or(normal)) =>
-            {
-                return Err(ObstacleError::OffAxis("cone"));
-            }
-            Shape::Cone { .. } if flat && !round_about => return Err(ObstacleError::OnlyInSpace("cone")),
-            Shape::Surface { .. } if flat => return Err(ObstacleError::OnlyInSpace("surface")),
             Shape::Sphere { radius, place } => round(*radius, *place, None),
             Shape::Socket { radius, place } => round(-radius, *place, None),
             Shape::Cone { apex, half_angle, axis: given } => {
@@ -142,11 +138,10 @@ impl PlacedObstacle {
             Shape::Table { file, scale } => Surface::Table(GapTable::read(file, *scale)?),
             Shape::Surface { file, scale } => Surface::Triangles(Arc::new(Triangles::read(file, *scale)?)),
         };
-        let extent = extent(mesh, boundary);
         Ok(PlacedObstacle {
             surface,
             direction: given.direction,
-            extent,
+            extent: Bounds::of(&mesh.points(&boundary.nodes())).extent(),
             normal,
             tangents: [first, cross(normal, first)],
         })
@@ -346,16 +341,6 @@ fn lies_in_plane(given: &Obstacle) -> Result<(), ObstacleError> {
     Ok(())
 }
 
-/// Returns the longest side of the bounding box of a boundary, m.
-fn extent(mesh: &Mesh, boundary: &Boundary) -> f64 {
-    let points = mesh.points(&boundary.nodes());
-    let side = |c: usize| {
-        let along = || points.iter().map(|x| x[c]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    (0..3).map(side).fold(0.0, f64::max)
-}
-
 fn mean_normal(mesh: &Mesh, boundary: &Boundary) -> Option<[f64; 3]> {
     let (mut sum, mut total) = ([0.0; 3], 0.0);
     for facet in &boundary.facets {
@@ -373,6 +358,104 @@ pub(super) fn first_tangent(normal: [f64; 3]) -> [f64; 3] {
     let closer = |c: usize, best: usize| normal[c].abs() < normal[best].abs() - 1e-9;
     let closest = [1, 2].into_iter().fold(0, |best, c| if closer(c, best) { c } else { best });
     axis_across(closest, normal)
+}
+
+/// The error of an obstacle that does not fit its boundary.
+#[derive(Debug, thiserror::Error)]
+pub enum ObstacleError {
+    /// The boundary has no mean normal, because it is closed or symmetric.
+    #[error("the boundary has no mean normal to face an obstacle with")]
+    NoNormal,
+    /// A vector leaves the plane of a two-dimensional body.
+    #[error("{0} of the obstacle leaves the plane of the body, which has two dimensions")]
+    OutOfPlane(&'static str),
+    /// A vector has two components in three dimensions.
+    #[error("{0} of the obstacle has two components, but the body has three dimensions")]
+    PlaneVector(&'static str),
+    /// The shape, for example a sphere, needs three dimensions.
+    #[error("the obstacle is a {0}, but the body has two dimensions")]
+    OnlyInSpace(&'static str),
+    /// A cylinder, bore or wedge in three dimensions has no axis.
+    #[error("a cylinder, bore or wedge in three dimensions needs an axis")]
+    NoAxis,
+    /// The axis is not at right angles to the normal.
+    #[error("the axis of the obstacle is not at right angles to its normal")]
+    SkewAxis,
+    /// The cone opens towards the body.
+    #[error("the axis of the cone points into the body, or along its surface")]
+    ConeTowardsBody,
+    /// A sphere, socket or cone in front of a body of revolution does not have the same axis.
+    #[error("the obstacle is a {0} that is not about the axis x = 0 of the body")]
+    OffAxis(&'static str),
+    /// An obstacle in front of a body of revolution turns; it would lose the symmetry or rub across the section.
+    #[error("the obstacle turns, but the body is axisymmetric")]
+    TurnsRound,
+    /// The radius of an obstacle of revolution changes.
+    #[error("the obstacle moves away from the axis of the body, or towards it, by its {0}")]
+    MovesAside(&'static str),
+    /// The table of gaps cannot be used.
+    #[error(transparent)]
+    Table(#[from] TableError),
+    /// The file of triangles cannot be used.
+    #[error(transparent)]
+    Surface(#[from] SurfaceError),
+}
+
+impl ObstacleError {
+    /// Returns the correction, in words.
+    pub fn help(&self) -> &'static str {
+        match self {
+            ObstacleError::NoNormal => "give the obstacle a `normal`",
+            ObstacleError::OutOfPlane(_) => "let vectors have two components, and axes be [0, 0, 1] or left out",
+            ObstacleError::PlaneVector(_) => "give [x, y, z], and points of a translation as [time, x, y, z]",
+            ObstacleError::OnlyInSpace(_) => {
+                "use a cylinder, bore or wedge, whose axis is across the plane, or a table"
+            }
+            ObstacleError::NoAxis => "give an axis, such as [0, 1, 0]",
+            ObstacleError::SkewAxis => "turn the axis, or give the obstacle a normal at right angles to it",
+            ObstacleError::ConeTowardsBody => "let the axis point from the tip into the cone, out of the body",
+            ObstacleError::OffAxis(_) => {
+                "give a point of the axis, [0, y], for its `center` or `apex`, and a cone the axis [0, 1] or [0, -1]; a cylinder, \
+                 bore or wedge may be anywhere, and is a ring"
+            }
+            ObstacleError::TurnsRound => {
+                "remove motion.rotation: what turns about the axis rubs across the section, which is not computed, and what turns \
+                 about anything else is no obstacle of revolution"
+            }
+            ObstacleError::MovesAside(_) => {
+                "let it move along y: by motion.translation, or by approach with the normal [0, 1] or [0, -1]; an interference of \
+                 radii is a negative gap"
+            }
+            ObstacleError::Table(_) => {
+                "give a CSV file with the header x,gap or x,y,gap and numbers in m or as [units] says"
+            }
+            ObstacleError::Surface(_) => {
+                "give an STL file or a Gmsh file whose faces are counterclockwise seen from the body"
+            }
+        }
+    }
+}
+
+/// Checks that an obstacle of revolution with the normal `normal` keeps its symmetry and its radius as it moves.
+fn moves_along_axis(given: &Obstacle, normal: [f64; 3]) -> Result<(), ObstacleError> {
+    if given.rotation.is_some() {
+        return Err(ObstacleError::TurnsRound);
+    }
+    if given.translation.iter().flatten().any(|(_, to)| to.components()[0] != 0.0) {
+        return Err(ObstacleError::MovesAside("translation"));
+    }
+    let moves = given.approach.iter().flatten().any(|point| point[1] != 0.0);
+    if moves && normal[0].abs() > SKEW { Err(ObstacleError::MovesAside("approach")) } else { Ok(()) }
+}
+
+/// Returns `true` if the centre of a sphere or socket is on the axis x = 0.
+fn is_centred(place: Place, radius: f64, normal: [f64; 3]) -> bool {
+    plus(place.apex(radius, normal), radius, normal)[0].abs() <= SKEW * radius.abs()
+}
+
+/// Returns `true` if the axis of a cone is x = 0.
+fn is_about_axis(apex: Vector, axis: [f64; 3]) -> bool {
+    apex.components()[0] == 0.0 && axis[0].abs() <= SKEW
 }
 
 #[cfg(test)]

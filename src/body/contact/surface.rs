@@ -2,8 +2,6 @@
 
 use std::sync::Arc;
 
-use super::cone::SolidCone;
-use super::crossing::{GRAZING, crossing};
 use super::description::SKEW;
 use super::gap_table::GapTable;
 use super::triangles::Triangles;
@@ -183,7 +181,7 @@ impl Surface {
             }
             Surface::Cone(cone) => cone.inward(foot),
             Surface::Triangles(triangles) => {
-                triangles.entry(x, n).map_or(facing, |entry| triangles.normal(entry.triangle).map(|c| -c))
+                triangles.entry(x, n).map_or(facing, |entry| triangles.normals[entry.triangle].map(|c| -c))
             }
             Surface::Wedge { apex, aside, slope } => {
                 let side = if dot(minus(foot, *apex), *aside) < 0.0 { -1.0 } else { 1.0 };
@@ -238,5 +236,197 @@ impl Surface {
             }
             _ => (self.along(facing, x, facing, x), facing),
         }
+    }
+}
+
+/// The points `x` with `r ≤ z tan α`, where `z` is the distance of `x` from the tip along the axis and `r` its distance
+/// from the axis.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct SolidCone {
+    /// The tip, m.
+    pub apex: [f64; 3],
+    /// Unit vector from the tip into the cone.
+    pub axis: [f64; 3],
+    /// α, the angle between axis and surface, rad.
+    pub half_angle: f64,
+}
+
+impl SolidCone {
+    /// Returns `z` and the vector of length `r` from the axis.
+    fn split(&self, from: [f64; 3]) -> (f64, [f64; 3]) {
+        (dot(from, self.axis), across(from, self.axis))
+    }
+
+    /// Returns the distance (m) from `x` to the point where the line along the unit vector `n` enters the cone,
+    /// negative inside; NaN if the line does not enter the cone or leaves it before `x`.
+    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3]) -> f64 {
+        let cot = 1.0 / self.half_angle.tan();
+        let ((z, q), (n_z, n_q)) = (self.split(minus(x, self.apex)), self.split(n));
+        // (z + g n_z)² = cot² |q + g n_q|², hence a g² + 2 b g + c = 0. The equation holds on the cone behind the tip
+        // and on its mirror image in front, which is not part of the obstacle.
+        let a = n_z * n_z - cot * cot * dot(n_q, n_q);
+        let b = z * n_z - cot * cot * dot(q, n_q);
+        let c = z * z - cot * cot * dot(q, q);
+        // b² - a c without cancellation.
+        let (lean, twist) = (plus(q.map(|q| n_z * q), -z, n_q), cross(q, n_q));
+        let root = cot * (dot(lean, lean) - cot * cot * dot(twist, twist)).sqrt();
+        let entry = if b > 0.0 { -c / (b + root) } else { (root - b) / a };
+        // A line that leans less than the surface meets each of the two cones once, the one behind the tip later. Any
+        // other line crosses one of them twice; that cone is behind `x` if both intersections are.
+        let behind = c < 0.0 && b < 0.0;
+        let enters = if a > 0.0 { n_z > 0.0 } else { z + entry * n_z > 0.0 && !behind };
+        if enters && entry.is_finite() { entry } else { f64::NAN }
+    }
+
+    /// Returns `true` if `x` (m) is inside.
+    pub(super) fn contains(&self, x: [f64; 3]) -> bool {
+        let (z, q) = self.split(minus(x, self.apex));
+        norm(q) < z * self.half_angle.tan()
+    }
+
+    /// Returns a vector into the cone, normal to its surface at `foot`.
+    pub(super) fn inward(&self, foot: [f64; 3]) -> [f64; 3] {
+        let (_, q) = self.split(minus(foot, self.apex));
+        let r = norm(q);
+        let (sin, cos) = self.half_angle.sin_cos();
+        if r > 0.0 { plus(self.axis.map(|c| sin * c), -cos / r, q) } else { self.axis }
+    }
+
+    /// Returns the distance (m) from `x` to the nearest point of the surface, negative inside, and the unit vector of
+    /// its direction.
+    pub(super) fn nearest(&self, x: [f64; 3]) -> (f64, [f64; 3]) {
+        let from = minus(x, self.apex);
+        let (z, q) = self.split(from);
+        let (r, (sin, cos)) = (norm(q), self.half_angle.sin_cos());
+        if r * sin + z * cos >= 0.0 && r > 0.0 {
+            return (r * cos - z * sin, self.inward(x));
+        }
+        // The tip is the nearest point. On the axis inside the cone, all directions are equally near.
+        let distance = norm(from);
+        if r > 0.0 || z < 0.0 { (distance, from.map(|c| -c / distance)) } else { (-z, self.axis) }
+    }
+}
+
+/// The largest number of steps of the search. Each step at least doubles the previous step or halves the remaining
+/// interval.
+const MOST: usize = 200;
+
+/// A line that approaches a surface by less than this share of its length counts as parallel to it; an intersection
+/// would be millions of lengths away.
+const GRAZING: f64 = 1e-6;
+
+/// The relative rounding error of a position on the line.
+const POSITION_ROUNDING: f64 = 2.0 * f64::EPSILON;
+
+/// Returns the distance along a line at which it meets a surface. `height` is the signed distance of the surface from a
+/// point of the line along the surface's own direction: positive before the surface, negative behind it. `closing` is
+/// the cosine of the angle between both directions. If there are several intersections, the result is the one that the
+/// iteration reaches, with steps that would end on a level surface. NaN if the line leads away from the surface or off
+/// it, where the height is NaN.
+pub(super) fn crossing(height: impl Fn(f64) -> f64, closing: f64) -> f64 {
+    let (mut here, mut above) = (0.0, height(0.0));
+    if closing <= GRAZING || above.is_nan() {
+        return f64::NAN;
+    }
+    let (mut reach, mut ends) = (1.0 / closing, false);
+    for _ in 0..MOST {
+        let next = here + reach * above;
+        if !next.is_finite() {
+            return f64::NAN;
+        }
+        if above == 0.0 || (next - here).abs() <= POSITION_ROUNDING * next.abs() {
+            // Steps that had to be shortened lead to the rim.
+            return if ends { f64::NAN } else { here };
+        }
+        let there = height(next);
+        if there.is_nan() {
+            // The step left the surface; the line may meet it before.
+            (reach, ends) = (0.5 * reach, true);
+        } else if there * above <= 0.0 {
+            return between(height, (here, above), (next, there));
+        } else {
+            (here, above) = (next, there);
+            reach *= 2.0;
+        }
+    }
+    f64::NAN
+}
+
+/// Finds the zero of `height` between two points with their heights, one positive and one not, by the Illinois method:
+/// secants in which the height of a retained end is halved.
+fn between(height: impl Fn(f64) -> f64, mut one: (f64, f64), mut other: (f64, f64)) -> f64 {
+    for _ in 0..MOST {
+        if other.1 == 0.0 || (other.0 - one.0).abs() <= POSITION_ROUNDING * other.0.abs() {
+            break;
+        }
+        let next = other.0 - other.1 * (other.0 - one.0) / (other.1 - one.1);
+        let there = height(next);
+        if there.is_nan() {
+            return f64::NAN;
+        }
+        if there * other.1 < 0.0 {
+            one = other;
+        } else {
+            one.1 *= 0.5;
+        }
+        if next == other.0 {
+            break;
+        }
+        other = (next, there);
+    }
+    other.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// For every direction the line ends on the surface, and the point before its end is outside.
+    #[test]
+    fn lines_end_where_they_enter() {
+        let cone = SolidCone { apex: [0.1, -0.2, 0.3], axis: [0.0, 0.6, 0.8], half_angle: 0.7 };
+        let depth = |x: [f64; 3]| {
+            let (z, q) = cone.split(minus(x, cone.apex));
+            z * cone.half_angle.tan() - norm(q)
+        };
+        let (mut met, mut missed) = (0, 0);
+        for k in 0..2000_u32 {
+            let [a, b, c, d] = [3, 5, 7, 11].map(|p| f64::from(k * p % 101) / 50.0 - 1.0);
+            let n = crate::algebra::vector::unit([0.3 * a, 0.6 + 0.9 * b, 0.8 + 0.9 * c]);
+            let x = plus([c, d, a], -2.0, n);
+            let entry = cone.along(x, n);
+            let at = |g: f64| depth(plus(x, g, n));
+            if entry.is_nan() {
+                missed += 1;
+                assert!((-200..400).all(|g| at(f64::from(g) / 50.0) < 1e-9), "{x:?} {n:?}");
+            } else {
+                met += 1;
+                assert!(at(entry).abs() < 1e-10 * (1.0 + entry.abs()), "{x:?} {n:?}: {entry} {}", at(entry));
+                assert!(at(entry - 1e-3) < 0.0 && at(entry + 1e-3) > -1e-9, "{x:?} {n:?}");
+            }
+        }
+        assert!(met > 500 && missed > 200, "{met} {missed}");
+    }
+
+    /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step outside its path.
+    #[test]
+    fn the_places_where_a_line_ends() {
+        let (sin, cos) = (0.5, 0.75_f64.sqrt());
+        // From (x, 0) upwards to the side, to a surface at the height h(x).
+        let met = |x: f64, h: &dyn Fn(f64) -> f64| crossing(|s| h(x + s * sin) - s * cos, cos);
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-15 * (1.0 + b.abs());
+        assert!(close(met(0.3, &|_| 0.7), 0.7 / cos));
+        assert!(close(met(0.3, &|_| -0.7), -0.7 / cos));
+        assert_eq!(met(0.3, &|_| 0.0), 0.0);
+        // 1/2 + (s/2)² = s cos at the first of two places.
+        assert!(close(met(0.0, &|x| 0.5 + x * x), 2.0 * (cos - 0.25_f64.sqrt())));
+        // A slope of 2 climbs faster than the line; downwards it is met.
+        assert!(met(0.0, &|x| 1.0 + 2.0 * x).is_nan());
+        assert!(close(met(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
+        assert!(close(met(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
+        // There is no surface beyond 1, neither for the first step nor at the intersection.
+        let ends = |h: f64| move |x: f64| if x < 1.0 { h - x } else { f64::NAN };
+        assert!(close(met(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && met(0.0, &ends(9.0)).is_nan());
+        assert!(crossing(|s| 1.0 + s, 0.0).is_nan() && crossing(|_| f64::NAN, 1.0).is_nan());
     }
 }

@@ -1,18 +1,16 @@
-//! A rigid surface of triangles: intersection with lines, and nearest points.
+//! A rigid surface of triangles: intersection with lines, nearest points, holes and cracks.
 //!
 //! Triangles are counterclockwise as seen from outside the obstacle, as in an STL file. The surface may be closed or
 //! have a rim; beyond the rim it has no distance.
 
 mod chords;
 mod read;
-mod rim;
 
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 pub(super) use chords::Chords;
 pub use read::SurfaceError;
-pub use rim::Hole;
 
 use super::tree::{Bounds, Tree};
 use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
@@ -22,7 +20,7 @@ use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
 pub(super) struct Triangles {
     corners: Vec<[[f64; 3]; 3]>,
     /// Unit normals out of the obstacle.
-    normals: Vec<[f64; 3]>,
+    pub(super) normals: Vec<[f64; 3]>,
     /// The indices in `vertices` of the corners of each triangle.
     points: Vec<[usize; 3]>,
     /// The indices in `edges` of the sides of each triangle; side k begins at corner k.
@@ -31,7 +29,7 @@ pub(super) struct Triangles {
     edges: Vec<Feature>,
     tree: Tree,
     /// The longest side of the bounding box, m.
-    extent: f64,
+    pub(super) extent: f64,
 }
 
 /// An edge or a corner of the surface.
@@ -197,16 +195,6 @@ impl Triangles {
         self.corners.len()
     }
 
-    /// Returns the longest side of the bounding box, m.
-    pub(super) fn extent(&self) -> f64 {
-        self.extent
-    }
-
-    /// Returns the unit normal of a triangle, out of the obstacle.
-    pub(super) fn normal(&self, triangle: usize) -> [f64; 3] {
-        self.normals[triangle]
-    }
-
     /// Returns the point where the line through `x` along the unit vector `n` enters the obstacle: behind `x` if `x` is
     /// inside, otherwise the first one ahead.
     pub(super) fn entry(&self, x: [f64; 3], n: [f64; 3]) -> Option<Entry> {
@@ -279,6 +267,68 @@ impl Triangles {
         let sign = if dot(to, inward) < 0.0 { -1.0 } else { 1.0 };
         Some((sign * distance, to.map(|c| sign * c / distance)))
     }
+
+    /// Returns the holes of the surface and the cracks of at most the width `reach` (m). Openings within rounding do
+    /// not count.
+    pub(super) fn holes(&self, reach: f64) -> Vec<Hole> {
+        let (holes, rest): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
+        let along_crack =
+            |rim: Vec<Side>| rim.into_iter().filter(|side| self.goes_on_beyond(side, reach)).collect::<Vec<_>>();
+        holes.into_iter().chain(rest.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
+    }
+
+    /// Returns the rims: closed paths along sides that belong to only one triangle.
+    fn rims(&self) -> Vec<Vec<Side>> {
+        let mut from: HashMap<usize, Vec<(usize, Side)>> = HashMap::new();
+        for (t, sides) in self.sides.iter().enumerate() {
+            for (k, side) in sides.iter().enumerate() {
+                let Some(off) = self.edges[*side].off.first() else { continue };
+                let [a, b] = [k, (k + 1) % 3];
+                let side = Side { ends: [self.corners[t][a], self.corners[t][b]], off: *off };
+                from.entry(self.points[t][a]).or_default().push((self.points[t][b], side));
+            }
+        }
+        let mut starts: Vec<usize> = from.keys().copied().collect();
+        starts.sort_unstable();
+        let mut rims = Vec::new();
+        for start in starts {
+            let (mut rim, mut at) = (Vec::new(), start);
+            while let Some((next, side)) = from.get_mut(&at).and_then(Vec::pop) {
+                rim.push(side);
+                at = next;
+                if at == start {
+                    rims.push(std::mem::take(&mut rim));
+                }
+            }
+            if !rim.is_empty() {
+                rims.push(rim);
+            }
+        }
+        rims
+    }
+
+    /// Returns `true` if the surface is around the rim and not within it: directions off the surface point into the
+    /// rim.
+    fn is_hole(&self, rim: &[Side]) -> bool {
+        let centre = middle(rim);
+        let into = rim.iter().map(|side| side.length() * dot(side.off, minus(centre, side.middle()))).sum::<f64>();
+        let area = rim.iter().fold([0.0; 3], |sum, side| {
+            plus(sum, 0.5, cross(minus(side.ends[0], centre), minus(side.ends[1], centre)))
+        });
+        let length = rim.iter().map(Side::length).sum::<f64>();
+        // A rim that encloses no area is a seam whose corners differ by little; lines do not pass through it.
+        let width = 2.0 * norm(area) / length;
+        width > 2.0 * CRACK * self.extent && into > INTO * 2.0 * norm(area)
+    }
+
+    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `reach` (m) away, with a
+    /// crack between them.
+    fn goes_on_beyond(&self, side: &Side, reach: f64) -> bool {
+        let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
+        // The triangles beside a narrower crack meet what is in front of it.
+        let is_open = across(PAST * CRACK * self.extent).is_none();
+        is_open && across(reach).is_some_and(|distance| distance < 0.5 * reach)
+    }
 }
 
 /// Returns the point of a triangle that is nearest to `x`, and the face, side or corner that contains it (Ericson,
@@ -303,6 +353,62 @@ pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], 
             let all = of_a + of_b + of_c;
             (plus(plus(a, of_b / all, ab), of_c / all, ac), TriangleFeature::Face)
         }
+    }
+}
+
+/// A hole or a crack in a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hole {
+    /// The middle of its rim, m.
+    pub middle: [f64; 3],
+    /// The bounding box of its rim: the least and the largest coordinates, m.
+    pub bounds: [[f64; 3]; 2],
+    /// The longest side of that box, m.
+    pub size: f64,
+}
+
+/// A side of a triangle on a rim.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    ends: [[f64; 3]; 2],
+    /// The unit vector pointing off the surface.
+    off: [f64; 3],
+}
+
+impl Side {
+    fn middle(&self) -> [f64; 3] {
+        plus(self.ends[0], 0.5, minus(self.ends[1], self.ends[0]))
+    }
+
+    fn length(&self) -> f64 {
+        norm(minus(self.ends[1], self.ends[0]))
+    }
+}
+
+/// The least share of a hole's rim. The share measures how far the directions off the surface point into the area that
+/// the rim encloses: 1 for a hole in a plane, -1 for the outer rim of a plane, 0 for the rim of a bowl.
+const INTO: f64 = 0.5;
+
+/// A point so many times as far from a rim as triangles reach meets only what is beyond a crack.
+const PAST: f64 = 1.01;
+
+/// Returns the mean of the middles of the sides, weighted by their lengths, m.
+fn middle(rim: &[Side]) -> [f64; 3] {
+    let length = rim.iter().map(Side::length).sum::<f64>();
+    rim.iter().fold([0.0; 3], |sum, side| plus(sum, side.length() / length, side.middle()))
+}
+
+impl Hole {
+    /// Returns the centre of the bounding box of its rim, m.
+    pub fn box_centre(&self) -> [f64; 3] {
+        let [low, high] = self.bounds;
+        plus(low, 0.5, minus(high, low))
+    }
+
+    fn around(rim: &[Side]) -> Option<Self> {
+        let points: Vec<[f64; 3]> = rim.iter().flat_map(|side| side.ends).collect();
+        let bounds = (!points.is_empty()).then(|| Bounds::of(&points))?;
+        Some(Hole { middle: middle(rim), bounds: [bounds.low, bounds.high], size: bounds.extent() })
     }
 }
 

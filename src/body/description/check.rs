@@ -1,10 +1,10 @@
 //! Checks of the values of a description, individually and in combination.
 
-use super::{Against, Contact, Description, Opposite};
-use crate::base::formula::Field;
+use super::{Action, Against, Contact, Description, Opposite};
+use crate::base::formula::{Field, Formula};
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::timeline::{check_points, check_times};
-use crate::body::contact::Obstacle;
+use crate::body::contact::Shape;
 use crate::body::fem::{Element, Plane};
 
 impl Description {
@@ -21,27 +21,64 @@ impl Description {
             let help = "plane stress does not constrain the volume, so nothing locks: use \"bilinear\"";
             return Err(InputError::new("mesh.element", message, help));
         }
-        let under = |list: &'static str, k: usize| move |fault: InputError| fault.with_key(&format!("{list}[{k}]"));
-        for (k, coupling) in self.couplings.iter().enumerate() {
-            coupling.check(&self.couplings[..k]).map_err(under("coupling", k))?;
+        each("coupling", &self.couplings, |k, coupling| coupling.check(&self.couplings[..k]))?;
+        each("support", &self.supports, |_, support| support.check())?;
+        each("contact", &self.contacts, |k, contact| contact.check(&self.contacts[..k]))?;
+        each("pretension", &self.pretensions, |k, pretension| pretension.check(self, &self.pretensions[..k]))?;
+        each("spring", &self.springs, |_, spring| spring.check())?;
+        each("load", &self.loads, |_, load| load.check())
+    }
+
+    /// Fails if a body of two dimensions has formulas of z.
+    pub(crate) fn formulas_suit(&self, dimension: usize) -> Result<(), InputError> {
+        match self.formulas().into_iter().find(|(_, formula)| formula.has_coordinate(2)) {
+            Some((key, formula)) if dimension == 2 => {
+                let message = format!("`{}` has z, but the body has two dimensions", formula.text());
+                Err(InputError::new(key, message, "use x and y: y points up in the plane"))
+            }
+            _ => Ok(()),
         }
-        for (k, support) in self.supports.iter().enumerate() {
-            support.check().map_err(under("support", k))?;
-        }
+    }
+
+    /// Returns each formula with its key.
+    fn formulas(&self) -> Vec<(String, &Formula)> {
+        let mut formulas = Vec::new();
         for (k, contact) in self.contacts.iter().enumerate() {
-            contact.check(&self.contacts[..k]).map_err(under("contact", k))?;
-        }
-        for (k, pretension) in self.pretensions.iter().enumerate() {
-            pretension.check(self, &self.pretensions[..k]).map_err(under("pretension", k))?;
-        }
-        for (k, spring) in self.springs.iter().enumerate() {
-            spring.check().map_err(under("spring", k))?;
+            if let Field::Formula(formula) = &contact.friction {
+                formulas.push((format!("contact[{k}].friction"), formula));
+            }
+            if let Some(Opposite { gap: Some(Field::Formula(formula)), .. }) = contact.opposite() {
+                formulas.push((format!("contact[{k}].gap"), formula));
+            }
+            for (j, obstacle) in contact.obstacles().iter().enumerate() {
+                if let Shape::Formula(formula) = &obstacle.shape {
+                    formulas.push((format!("{}.formula", contact.obstacle_key(k, j)), formula));
+                }
+            }
         }
         for (k, load) in self.loads.iter().enumerate() {
-            load.check().map_err(under("load", k))?;
+            let (key, fields) = match &load.action {
+                Action::Traction { traction, .. } => ("traction", &traction[..]),
+                Action::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
+                Action::Temperature(field) => ("temperature", std::slice::from_ref(field)),
+                Action::Force { .. } | Action::Moment { .. } | Action::Acceleration(_) | Action::Spin { .. } => {
+                    continue;
+                }
+            };
+            for field in fields {
+                if let Field::Formula(formula) = field {
+                    formulas.push((format!("load[{k}].{key}"), formula));
+                }
+            }
         }
-        Ok(())
+        formulas
     }
+}
+
+/// Checks each entry of a `list` with its number; an error names its key.
+fn each<T>(list: &str, all: &[T], check: impl Fn(usize, &T) -> Result<(), InputError>) -> Result<(), InputError> {
+    let one = |(k, entry)| check(k, entry).map_err(|fault| fault.with_key(&format!("{list}[{k}]")));
+    all.iter().enumerate().try_for_each(one)
 }
 
 impl Contact {
@@ -67,22 +104,17 @@ impl Contact {
             let sound = history.iter().all(|point| point[1] >= 0.0);
             ensure(sound, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
         }
-        let obstacles = match &self.against {
-            Against::Boundary(opposite) => return self.check_opposite(opposite),
-            Against::Obstacles(obstacles) => obstacles,
-        };
-        let whole = match &obstacles[..] {
-            [] => {
-                let message = format!("there is no obstacle in front of `{}`", self.boundary);
-                return Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"));
-            }
-            [obstacle] => return obstacle.check().map_err(|fault| fault.with_key("obstacle")),
-            all => all,
-        };
-        let each = |(j, obstacle): (usize, &Obstacle)| {
-            obstacle.check().map_err(|fault| fault.with_key(&format!("obstacle[{j}]")))
-        };
-        whole.iter().enumerate().try_for_each(each)
+        match &self.against {
+            Against::Boundary(opposite) => self.check_opposite(opposite),
+            Against::Obstacles(obstacles) => match &obstacles[..] {
+                [] => {
+                    let message = format!("there is no obstacle in front of `{}`", self.boundary);
+                    Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"))
+                }
+                [obstacle] => obstacle.check().map_err(|fault| fault.with_key("obstacle")),
+                all => each("obstacle", all, |_, obstacle| obstacle.check()),
+            },
+        }
     }
 
     fn check_opposite(&self, opposite: &Opposite) -> Result<(), InputError> {

@@ -125,12 +125,8 @@ impl Opposite {
             let help = "remove the key: gaps between glued bodies count as 0";
             return Err(InputError::new("gap", "gap must be left out where bodies are glued", help));
         }
-        ensure(
-            self.gap.is_none() || self.adjust == 0.0,
-            "adjust",
-            &self.adjust,
-            "left out where gap says what the gap is",
-            "remove the key",
-        )
+        let help = "remove the key";
+        let must = "left out where gap says what the gap is";
+        ensure(self.gap.is_none() || self.adjust == 0.0, "adjust", &self.adjust, must, help)
     }
 }

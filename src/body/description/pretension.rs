@@ -100,12 +100,8 @@ impl Pretension {
         }
         let end = description.end();
         let sound = lock > 0.0 && lock < end;
-        ensure(
-            sound,
-            "lock",
-            &lock,
-            &format!("above 0 and below the end of the history, {end}"),
-            "give a time within the history, or remove lock",
-        )
+        let help = "give a time within the history, or remove lock";
+        let must = format!("above 0 and below the end of the history, {end}");
+        ensure(sound, "lock", &lock, &must, help)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::graph::{CORNER, ContactGraph};
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
-use crate::body::mesh::Facet;
+use crate::body::mesh::{Facet, sorted};
 use crate::body::model::Model;
 
 /// The least angle of an edge of an obstacle, rad: tables and triangles have small ones along a rounding.
@@ -31,11 +31,6 @@ pub(super) struct Corners<'a> {
     sides: BTreeMap<usize, Vec<Facet>>,
 }
 
-fn sorted(mut facet: Facet) -> Facet {
-    facet.sort_unstable();
-    facet
-}
-
 impl<'a> Corners<'a> {
     /// Creates the corners at `time` (s).
     pub fn new(model: &'a Model, graph: &'a ContactGraph, time: f64) -> Self {
@@ -44,9 +39,9 @@ impl<'a> Corners<'a> {
         let mut sides: BTreeMap<usize, Vec<Facet>> =
             model.contacts.iter().map(|contact| (contact.node, Vec::new())).collect();
         let glued = model.pairs.iter().filter(|pair| pair.glued).flat_map(|pair| pair.mortar.sides().concat());
-        let glued: BTreeSet<Facet> = glued.map(sorted).collect();
+        let glued: BTreeSet<Facet> = glued.map(|facet| sorted(&facet)).collect();
         let surface = model.mesh.surface_at(|node| sides.contains_key(&node)).into_iter();
-        for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet.clone()))) {
+        for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet))) {
             for node in &facet {
                 if let Some(of_node) = sides.get_mut(node) {
                     of_node.push(facet.clone());
@@ -67,7 +62,7 @@ impl<'a> Corners<'a> {
         let Corners { model, graph, .. } = self;
         let node = model.contacts[i].node;
         let cut = |normal: [f64; 3]| {
-            graph.is_mirrored(i) && model.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
+            graph.mirrored[i] && model.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
         };
         let sides = self.sides.get(&node).into_iter().flatten();
         let normals: Vec<[f64; 3]> =
@@ -82,7 +77,7 @@ impl<'a> Corners<'a> {
             let length = norm(minus(self.model.contacts[j].position, self.model.contacts[i].position));
             ((self.gaps[j] - self.gaps[i]) / length).atan()
         };
-        let neighbours = self.graph.neighbours(i).iter().copied();
+        let neighbours = self.graph.neighbours[i].iter().copied();
         let (inside, beyond): (Vec<usize>, Vec<usize>) = neighbours.partition(|&j| closed(j));
         let steepest =
             |nodes: &[usize], sign: f64| nodes.iter().map(|&j| (j, sign * slope(j))).max_by(|a, b| a.1.total_cmp(&b.1));

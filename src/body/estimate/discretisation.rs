@@ -10,8 +10,7 @@
 //!
 //! relative to `√(uᵀ K u + η²)`.
 
-use super::places::Places;
-use super::recovery::recovered;
+use super::recovery::{Places, recovered};
 use super::strains::Strains;
 use crate::algebra::vector::minus;
 use crate::body::mesh::MAX_NODES;
@@ -67,7 +66,7 @@ impl DiscretisationError {
             }
             squares.push(square);
         }
-        let all = 2.0 * strains.energies().iter().sum::<f64>() + squares.iter().sum::<f64>();
+        let all = 2.0 * strains.energies.iter().sum::<f64>() + squares.iter().sum::<f64>();
         let share = |square: f64| (square / all).sqrt();
         (all > 0.0).then(|| DiscretisationError {
             square: squares.iter().sum(),
@@ -92,7 +91,7 @@ pub(crate) fn error_of_force(model: &Model, t: f64, u: &[f64], z: &[f64]) -> Opt
     };
     let (at_rest, moved) = (displaced(0.0), displaced(1.0));
     let mode: Vec<[f64; 3]> = moved.iter().zip(&at_rest).map(|(moved, rest)| minus(*moved, *rest)).collect();
-    let energy = |strains: &Strains<'_>| strains.energies().iter().sum::<f64>();
+    let energy = |strains: &Strains<'_>| strains.energies.iter().sum::<f64>();
     let idle = vec![0.0; factors.len()];
     let (strains, influence) = (Strains::new(model, &factors, &at_rest), Strains::new(model, &idle, &mode));
     if influence.are_rounding(&mode) || strains.are_rounding(&at_rest) {

@@ -19,14 +19,14 @@ pub(super) const ALONG: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ContactGraph {
     /// The neighbours of each contact node.
-    neighbours: Vec<Vec<usize>>,
+    pub(super) neighbours: Vec<Vec<usize>>,
     /// For each contact node: `true` if it is at the rim of the contact surface and no symmetry plane cuts the surface
     /// there.
     rim: Vec<bool>,
     /// For each contact node: `true` if a symmetry plane or an axis cuts the surface there, so that a support or the
     /// axis holds the node tangentially.
-    mirrored: Vec<bool>,
-    surfaces: Vec<ContactPatch>,
+    pub(super) mirrored: Vec<bool>,
+    pub(crate) surfaces: Vec<ContactPatch>,
 }
 
 /// Boundaries with contact that share nodes, or meet at glue or at the end of a period.
@@ -65,8 +65,7 @@ impl ContactGraph {
                 together.join(b, c);
             }
         }
-        let facets_of =
-            |boundary: &ContactBoundary| model.mesh.boundary(&boundary.name).map_or(&[][..], |own| &own.facets);
+        let facets_of = |boundary: &ContactBoundary| model.mesh.facets_of(&boundary.name);
         let touching: BTreeSet<usize> =
             model.contact_boundaries.iter().flat_map(facets_of).flatten().copied().collect();
         // The sides of facets, by the contact nodes of their ends, with the facets at each, and those on seams.
@@ -150,29 +149,14 @@ impl ContactGraph {
         self.surfaces.iter().map(|surface| surface.nodes.iter().map(|&i| p_n[i]).sum())
     }
 
-    /// Returns the surfaces.
-    pub(crate) fn surfaces(&self) -> &[ContactPatch] {
-        &self.surfaces
-    }
-
-    /// Returns the neighbours of contact node `i`.
-    pub(super) fn neighbours(&self, i: usize) -> &[usize] {
-        &self.neighbours[i]
-    }
-
     /// Returns `true` if the contact surface ends at contact node `i`; it does not end at a symmetry plane.
     pub fn is_at_the_rim(&self, i: usize) -> bool {
         self.rim.get(i).copied().unwrap_or(false)
     }
 
-    /// Returns `true` if a symmetry plane cuts the contact surface at contact node `i`.
-    pub(super) fn is_mirrored(&self, i: usize) -> bool {
-        self.mirrored[i]
-    }
-
     /// Returns the mean pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours: `Σ p_n / Σ l`.
     pub(super) fn patch_pressure(&self, model: &Model, p_n: &[f64], i: usize) -> f64 {
-        let around = || self.neighbours(i).iter().chain([&i]);
+        let around = || self.neighbours[i].iter().chain([&i]);
         around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
     }
 
@@ -216,7 +200,7 @@ impl ContactGraph {
         while !at.is_empty() {
             depth += 1;
             let mut next = Vec::new();
-            for &i in at.iter().flat_map(|&i| self.neighbours(i)) {
+            for &i in at.iter().flat_map(|&i| &self.neighbours[i]) {
                 if inside.contains(&i) && !depths.contains_key(&i) {
                     depths.insert(i, depth);
                     next.push(i);

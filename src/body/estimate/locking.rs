@@ -17,7 +17,7 @@
 //! If a force or a contact presses a single node, strains are singular, so that θ varies on any mesh. The two layers of
 //! cells around such a node are left out.
 
-use super::places::Places;
+use super::recovery::Places;
 use super::strains::{Strains, dilatation, volume};
 use crate::algebra::vector::{minus, norm};
 use crate::body::description::{Action, Load, Where};
@@ -67,7 +67,7 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
         return None;
     }
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let means = simplices.then(|| places.means(strains.volumes(), |e, _| [strains.mean_dilatation(e)]));
+    let means = simplices.then(|| places.means(&strains.volumes, |e, _| [strains.mean_dilatation(e)]));
     let singular = around(model, pressed);
     let mut laws: Vec<Option<OfLaw>> = Vec::new();
     for (e, (cell, law)) in model.mesh.cells.iter().zip(model.materials()).enumerate() {
@@ -84,13 +84,13 @@ pub(super) fn locking(model: &Model, places: &Places, strains: &Strains, pressed
         let varies: f64 = strains.of_cell(e).iter().map(|(v, strain)| v * (dilatation(strain) - mean).powi(2)).sum();
         let [c, _] = measured(cell.kind)?;
         let locked = 0.5 * law.bulk() * varies;
-        let number = places.laws()[e];
+        let number = places.laws[e];
         if number >= laws.len() {
             laws.resize(number + 1, None);
         }
         let sums =
             laws[number].get_or_insert(OfLaw { kind: cell.kind, law: *law, energy: 0.0, locked: 0.0, weighted: 0.0 });
-        sums.energy += strains.energies()[e];
+        sums.energy += strains.energies[e];
         sums.locked += locked;
         sums.weighted += c * locked;
     }

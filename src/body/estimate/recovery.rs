@@ -1,14 +1,17 @@
-//! Recovery of strains at the nodes from strains at the integration points.
+//! Recovery of strains at the nodes from strains at the integration points: one value for each node and each law of the cells
+//! around it, since strains jump at an interface between materials.
 //!
 //! On linear cells a nodal value is the mean over the surrounding cells of one law, weighted by volume. On cells of
 //! second order means are not accurate enough: each corner has a quadratic polynomial, fitted to the strains of the
 //! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners, in
 //! hexahedra and prisms every node, has the mean of the polynomials of all corners of its cells.
 
-use super::places::Places;
+use std::collections::HashMap;
+
 use super::strains::Strains;
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;
+use crate::body::fem::numbered;
 use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::body::model::Model;
 
@@ -28,7 +31,7 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     for cell in cells {
         known[cell.kind as usize].get_or_insert_with(|| continuation(cell.kind, model.mesh.geometry));
     }
-    Some(places.means(strains.volumes(), |e, k| {
+    Some(places.means(&strains.volumes, |e, k| {
         let points = strains.of_cell(e);
         let mut sum = [0.0; 6];
         let Some(weights) = &known[cells[e].kind as usize] else { return sum };
@@ -155,17 +158,17 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
         begins.push(samples.len());
     }
     let corners = |e: usize| &places.of_cell(e)[..mesh.cells[e].kind.corners()];
-    let mut around = vec![Vec::new(); places.count()];
-    let mut nodes = vec![0; places.count()];
+    let mut around = vec![Vec::new(); places.count];
+    let mut nodes = vec![0; places.count];
     for (e, cell) in mesh.cells.iter().enumerate() {
         for &place in corners(e) {
             around[place].push(e);
         }
         places.of_cell(e).iter().zip(&cell.nodes).for_each(|(&place, &node)| nodes[place] = node);
     }
-    let mut sums = vec![([0.0; 6], 0.0); places.count()];
+    let mut sums = vec![([0.0; 6], 0.0); places.count];
     // The corner whose polynomial was last added at each place.
-    let mut last = vec![usize::MAX; places.count()];
+    let mut last = vec![usize::MAX; places.count];
     for (corner, own) in around.iter().enumerate().filter(|(_, own)| !own.is_empty()) {
         let mut patch = own.clone();
         let fit = (0..LAYERS).find_map(|_| {
@@ -190,6 +193,80 @@ fn fitted(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64;
         }
     }
     Some(sums.into_iter().map(|(sum, count)| sum.map(|x| x / count)).collect())
+}
+
+/// The numbering of the nodal values of a body.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Places {
+    /// The index of the value of each node of each cell.
+    of_cells: Vec<usize>,
+    /// The first position in `of_cells` of each cell, and the end.
+    begins: Vec<usize>,
+    /// The number of values.
+    pub(super) count: usize,
+    /// The number of the law of each cell.
+    pub(super) laws: Vec<usize>,
+}
+
+impl Places {
+    pub(super) fn new(model: &Model) -> Self {
+        Self::of(model, numbered(model.materials().iter().copied()))
+    }
+
+    /// Creates the numbering with a value for each node and each law *and* group of the cells around it: elastic strains
+    /// also jump where only the thermal expansion does.
+    pub(super) fn by_material(model: &Model) -> Self {
+        let groups = model.mesh.groups.len();
+        let laws = numbered(model.materials().iter().copied());
+        let of_cells = model.mesh.cells.iter().zip(laws).map(|(cell, law)| law * groups + cell.group).collect();
+        Self::of(model, of_cells)
+    }
+
+    /// Creates the numbering for cells with these numbers of their `laws`.
+    fn of(model: &Model, laws: Vec<usize>) -> Self {
+        let (mut of_cells, mut begins, mut count) = (Vec::new(), vec![0], 0);
+        // Most nodes have one law.
+        let mut first: Vec<Option<(usize, usize)>> = vec![None; model.mesh.nodes.len()];
+        let mut others: HashMap<(usize, usize), usize> = HashMap::new();
+        for (cell, &law) in model.mesh.cells.iter().zip(&laws) {
+            for &node in &cell.nodes {
+                let mut new = || {
+                    count += 1;
+                    count - 1
+                };
+                of_cells.push(match first[node] {
+                    Some((own, place)) if own == law => place,
+                    Some(_) => *others.entry((node, law)).or_insert_with(new),
+                    None => first[node].insert((law, new())).1,
+                });
+            }
+            begins.push(of_cells.len());
+        }
+        Places { of_cells, begins, count, laws }
+    }
+
+    /// Returns the indices of the values of the nodes of cell `e`.
+    pub(super) fn of_cell(&self, e: usize) -> &[usize] {
+        &self.of_cells[self.begins[e]..self.begins[e + 1]]
+    }
+
+    /// Computes each nodal value as the mean of the surrounding cells, weighted by their volumes. `value` takes a cell
+    /// and the number of its node.
+    pub(super) fn means<const N: usize>(
+        &self,
+        volumes: &[f64],
+        value: impl Fn(usize, usize) -> [f64; N],
+    ) -> Vec<[f64; N]> {
+        let mut sums = vec![([0.0; N], 0.0); self.count];
+        for (e, volume) in volumes.iter().enumerate() {
+            for (k, &place) in self.of_cell(e).iter().enumerate() {
+                let (sum, weight) = &mut sums[place];
+                sum.iter_mut().zip(value(e, k)).for_each(|(sum, x)| *sum += volume * x);
+                *weight += volume;
+            }
+        }
+        sums.into_iter().map(|(sum, weight)| sum.map(|x| x / weight)).collect()
+    }
 }
 
 #[cfg(test)]

@@ -19,9 +19,9 @@ pub(super) struct Strains<'a> {
     /// The first sample of each cell, and the end.
     begins: Vec<usize>,
     /// The volume of each cell.
-    volumes: Vec<f64>,
+    pub(super) volumes: Vec<f64>,
     /// The strain energy of each cell, J, in two dimensions per m of depth.
-    energies: Vec<f64>,
+    pub(super) energies: Vec<f64>,
 }
 
 impl<'a> Strains<'a> {
@@ -71,16 +71,6 @@ impl<'a> Strains<'a> {
         let moved = displacements.iter().flatten().fold(0.0_f64, |most, u| most.max(u.abs())) / model.mesh.size();
         let with_moved: f64 = self.volumes.iter().zip(model.materials()).map(|(volume, law)| volume * law.mu).sum();
         self.energies.iter().sum::<f64>() <= with_moved * (STRAIN_ROUNDING * moved).powi(2)
-    }
-
-    /// Returns the volumes of the cells.
-    pub(super) fn volumes(&self) -> &[f64] {
-        &self.volumes
-    }
-
-    /// Returns the strain energies of the cells, J, in two dimensions per m of depth.
-    pub(super) fn energies(&self) -> &[f64] {
-        &self.energies
     }
 
     /// Returns the root mean square of the magnitude `√(ε : ε)` of the strains, weighted by the strain energy; 0 without
@@ -206,28 +196,19 @@ fn strain_at<const D: usize>(
 /// Computes the volume of a body, m³; in two dimensions the area of its section, m².
 pub(super) fn volume(mesh: &Mesh, cells: &[usize]) -> f64 {
     let kinds = ReferenceCells::new(mesh);
-    let mut all = 0.0;
-    let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
-    for cell in cells.iter().map(|&e| &mesh.cells[e]) {
-        let Some(reference) = kinds.get(cell.kind) else { continue };
-        let mut nodes = [[0.0; 3]; MAX_NODES];
-        nodes.iter_mut().zip(&cell.nodes).for_each(|(x, &node)| *x = mesh.nodes[node]);
-        let nodes = &nodes[..cell.nodes.len()];
-        let points = reference.of(cell.kind, nodes).iter();
-        all += points.map(|point| at(point, Geometry::Cartesian, nodes, nodes).0).sum::<f64>();
-    }
-    all
+    let of_cell = |&e: &usize| points_of(mesh, Geometry::Cartesian, &kinds, e).iter().map(|(v, _)| v).sum::<f64>();
+    cells.iter().map(of_cell).sum()
 }
 
-/// Returns volume and position (m) of the integration points of cell `e`.
-pub(super) fn points_of(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Vec<(f64, [f64; 3])> {
+/// Returns volume and position (m) of the integration points of cell `e` in this geometry.
+pub(super) fn points_of(mesh: &Mesh, geometry: Geometry, kinds: &ReferenceCells, e: usize) -> Vec<(f64, [f64; 3])> {
     let cell = &mesh.cells[e];
     let nodes = mesh.points(&cell.nodes);
     let at = if mesh.dimension == 2 { strain_at::<2> } else { strain_at::<3> };
     let points = kinds.get(cell.kind).map_or(&[][..], |reference| reference.of(cell.kind, &nodes));
     let place = |point: &ReferencePoint| {
         let along = |c: usize| point.shape.iter().zip(&nodes).map(|(n, x)| n * x[c]).sum();
-        (at(point, mesh.geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
+        (at(point, geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
     };
     points.iter().map(place).collect()
 }
@@ -289,7 +270,7 @@ mod tests {
                         assert!(strain.iter().zip(other).all(|(a, b)| (a - b).abs() < 1e-11), "{strain:?} {other:?}");
                         volume += v;
                     }
-                    assert!((volume - strains.volumes()[e]).abs() < 1e-13 * volume);
+                    assert!((volume - strains.volumes[e]).abs() < 1e-13 * volume);
                     let points = strains.at_fine_points(e, &mut fine);
                     assert_eq!(points.len(), fine.len());
                     let fine: f64 = fine.iter().map(|(volume, _)| volume).sum();

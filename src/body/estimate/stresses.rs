@@ -9,8 +9,7 @@
 
 use std::collections::{BTreeSet, HashSet};
 
-use super::places::Places;
-use super::recovery::{LAYERS, MONOMIALS, SPARE, monomials, scaled};
+use super::recovery::{LAYERS, MONOMIALS, Places, SPARE, monomials, scaled};
 use super::strains::{Strains, points_of};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::minus;
@@ -47,7 +46,7 @@ struct Points {
 
 impl Points {
     fn new(mesh: &Mesh, kinds: &ReferenceCells, e: usize) -> Self {
-        let points = points_of(mesh, kinds, e);
+        let points = points_of(mesh, mesh.geometry, kinds, e);
         let volume: f64 = points.iter().map(|(volume, _)| volume).sum();
         let shares: Vec<f64> = points.iter().map(|(v, _)| v / volume).collect();
         let positions: Vec<[f64; 3]> = points.into_iter().map(|(_, x)| x).collect();
@@ -149,8 +148,8 @@ impl<'a> Search<'a> {
     fn new(model: &'a Model, places: &'a Places) -> Self {
         let mesh = &model.mesh;
         let quadratic = mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-        let mut around = vec![Vec::new(); places.count()];
-        let mut at = vec![(usize::MAX, usize::MAX); places.count()];
+        let mut around = vec![Vec::new(); places.count];
+        let mut at = vec![(usize::MAX, usize::MAX); places.count];
         let mut outside: HashSet<[usize; 4]> = HashSet::new();
         for (e, cell) in mesh.cells.iter().enumerate() {
             let own = places.of_cell(e);
@@ -260,7 +259,7 @@ impl StressRecovery {
     pub(crate) fn new(model: &Model, wanted: impl Fn(usize) -> bool) -> Self {
         let places = Places::by_material(model);
         let mut search = Search::new(model, &places);
-        let mut patches_of = vec![Vec::new(); places.count()];
+        let mut patches_of = vec![Vec::new(); places.count];
         for (e, cell) in model.mesh.cells.iter().enumerate().filter(|(e, _)| wanted(*e)) {
             let own = places.of_cell(e);
             // Corners come before the nodes between them.

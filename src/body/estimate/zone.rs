@@ -1,4 +1,5 @@
-//! Resolution of the contact by the mesh: zones of closed nodes, and the accuracy of their pressures.
+//! Resolution of the contact by the mesh: zones of closed nodes, the accuracy of their pressures, and slip zones beside stick
+//! zones.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,6 +9,8 @@ use super::hertz::HertzContact;
 use crate::algebra::vector::{dot, minus, norm, unit};
 use crate::body::mesh::CellKind;
 use crate::body::model::Model;
+use crate::solver::history::IncrementView;
+use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// The resolution of the contact on boundaries that share nodes or meet at a seam, at the time of their largest force.
@@ -138,7 +141,7 @@ impl ContactEstimate {
     /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick zone; `None` without
     /// contact.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
-        let surface = &graph.surfaces()[k];
+        let surface = &graph.surfaces[k];
         let p_n = &state.p_n;
         let closed: Vec<usize> = surface.nodes.iter().copied().filter(|&i| p_n[i] > 0.0).collect();
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
@@ -160,9 +163,9 @@ impl ContactEstimate {
         let scatter = peak_pressure / patch_pressure - 1.0;
         // On half a mesh of triangles, a node in a symmetry plane has only one cell and an inaccurate pressure, which
         // makes up a third of its patch.
-        let beside = graph.neighbours(peak);
+        let beside = &graph.neighbours[peak];
         let mean = beside.iter().map(|&j| pressure(j)).sum::<f64>() / beside.len() as f64;
-        let mirrored = graph.is_mirrored(peak) && model.mesh.dimension == 2 && mean > 0.0;
+        let mirrored = graph.mirrored[peak] && model.mesh.dimension == 2 && mean > 0.0;
         let off = if mirrored { peak_pressure / mean - 1.0 } else { scatter };
         let (around_peak, across_peak) = zones.iter().find(|(zone, _)| zone.contains(&peak))?;
         let peak_error = across_peak.map(|n| match peak_error(n) {
@@ -222,7 +225,7 @@ fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) ->
 
 /// Returns the zone of contact node `i` with the number of nodes across it.
 fn zone_of(model: &Model, graph: &ContactGraph, p_n: &[f64], i: usize) -> Option<(Vec<usize>, Option<usize>)> {
-    let surface = graph.surfaces().iter().find(|surface| surface.nodes.contains(&i))?;
+    let surface = graph.surfaces.iter().find(|surface| surface.nodes.contains(&i))?;
     zones(model, graph, &surface.nodes, p_n).into_iter().find(|(zone, _)| zone.contains(&i))
 }
 
@@ -238,14 +241,14 @@ fn nodes_across(
     if dimension == 3 {
         return Some(2 * deepest - 1);
     }
-    let mirrored = zone.iter().any(|&i| graph.is_mirrored(i));
+    let mirrored = zone.iter().any(|&i| graph.mirrored[i]);
     Some(if mirrored { 2 * zone.len() - 1 } else { zone.len() })
 }
 
 /// Returns the mean distance of contact node `i` to its neighbours, m.
 fn element_size(model: &Model, graph: &ContactGraph, i: usize) -> f64 {
     let distance = |j: &usize| norm(minus(model.contacts[*j].position, model.contacts[i].position));
-    let neighbours = graph.neighbours(i);
+    let neighbours = &graph.neighbours[i];
     neighbours.iter().map(distance).sum::<f64>() / neighbours.len() as f64
 }
 
@@ -257,7 +260,7 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
     }
     let ratio = |&i: &usize| {
         let (node, from) = (model.contacts[i].node, model.contacts[i].position);
-        let inside = minus(from, model.contacts[*graph.neighbours(i).first()?].position);
+        let inside = minus(from, model.contacts[*graph.neighbours[i].first()?].position);
         let beyond = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
             .flat_map(|cell| cell.nodes.iter().map(|&other| minus(model.mesh.nodes[other], from)))
             .filter(|beyond| norm(*beyond) > 0.0 && dot(unit(*beyond), unit(inside)) > STRAIGHT)
@@ -285,10 +288,14 @@ pub(crate) struct PeakZone {
 impl PeakZone {
     /// Returns the zones of all contact surfaces in a `state`.
     pub(crate) fn all(model: &Model, graph: &ContactGraph, state: &State) -> Vec<Self> {
-        let pressures = pressures(model, graph, state);
+        let pressures = match PeakOf::of(model) {
+            PeakOf::Nodes => model.contact_pressures(state),
+            PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
+        };
+        let peak = |zone: &[usize]| zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max);
         let of_surface = |surface: &ContactPatch| zones(model, graph, &surface.nodes, &state.p_n);
-        let zones = graph.surfaces().iter().flat_map(of_surface);
-        zones.map(|(nodes, across)| PeakZone { across, peak: largest(&pressures, &nodes), nodes }).collect()
+        let zones = graph.surfaces.iter().flat_map(of_surface);
+        zones.map(|(nodes, across)| PeakZone { across, peak: peak(&nodes), nodes }).collect()
     }
 
     /// Returns the number of nodes across the zone of contact node `i` with the normal forces `p_n` (N); `None` if no open
@@ -308,18 +315,6 @@ impl PeakZone {
     }
 }
 
-/// Returns the pressures of which a peak is the largest, Pa.
-fn pressures(model: &Model, graph: &ContactGraph, state: &State) -> Vec<f64> {
-    match PeakOf::of(model) {
-        PeakOf::Nodes => model.contact_pressures(state),
-        PeakOf::Patches => graph.patch_pressures(model, &state.p_n),
-    }
-}
-
-fn largest(pressures: &[f64], zone: &[usize]) -> f64 {
-    zone.iter().map(|&i| pressures[i]).fold(0.0, f64::max)
-}
-
 impl StickZone {
     /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` if all nodes with friction stick,
     /// or none does, and in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
@@ -328,7 +323,7 @@ impl StickZone {
         let p_n = &state.p_n;
         let mu = model.loading.friction().map_or_else(|| model.problem.mu().to_vec(), |friction| friction.at(time));
         let is_at_the_limit = |i: usize| state.p_t[i].hypot(state.p_o[i]) >= (1.0 - AT_THE_LIMIT) * mu[i] * p_n[i];
-        let surface = &graph.surfaces()[k];
+        let surface = &graph.surfaces[k];
         let sum = |nodes: &[usize]| nodes.iter().map(|&i| p_n[i]).sum::<f64>();
         let zones = zones(model, graph, &surface.nodes, p_n);
         let (zone, across) = zones.into_iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;
@@ -353,5 +348,56 @@ impl StickZone {
             ratio,
             uncertainty,
         })
+    }
+}
+
+/// The work of friction so far, and the number of nodes over which it is distributed.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub(crate) struct SlipZones {
+    /// The work of friction, J; in two dimensions J per m of depth.
+    work: f64,
+    /// The sum over all slip zones beside sticking nodes of the work divided by the number of nodes across the zone.
+    /// Without sticking nodes the work does not depend on such a width.
+    by_width: f64,
+    /// The sum of the work divided by the square of that number.
+    by_square: f64,
+}
+
+impl SlipZones {
+    /// Adds the slip of a converged increment.
+    pub(crate) fn see(&mut self, model: &Model, graph: &ContactGraph, step: &IncrementView<'_>) {
+        let IncrementView { increment, state, statuses, .. } = step;
+        let work_of = |i: &usize| {
+            let slip = model.problem.slip(increment, state, *i);
+            (state.p_t[*i] * slip[0] + state.p_o[*i] * slip[1]).max(0.0)
+        };
+        let nodes_that = |status: ContactStatus| (0..statuses.len()).filter(move |&i| statuses[i] == status);
+        let slipping: Vec<usize> = nodes_that(ContactStatus::Slip).collect();
+        if slipping.is_empty() {
+            return;
+        }
+        let both: Vec<usize> = nodes_that(ContactStatus::Stick).chain(slipping.iter().copied()).collect();
+        // The number of edges from each slipping node to the nearest sticking node.
+        let depths = graph.depths(&both, &slipping);
+        for zone in graph.parts(&slipping) {
+            let work: f64 = zone.iter().map(work_of).sum();
+            self.work += work;
+            if let Some(across) = zone.iter().filter_map(|i| depths.get(i)).max() {
+                self.by_width += work / *across as f64;
+                self.by_square += work / (*across as f64).powi(2);
+            }
+        }
+    }
+
+    /// Returns the error of the work by the width of slip zones, as a share: the square of one node of the width of each zone,
+    /// weighted by the work. `None` if no node slips beside sticking nodes.
+    pub(crate) fn error(&self) -> Option<f64> {
+        (self.by_square > 0.0).then(|| self.by_square / self.work)
+    }
+
+    /// Returns the work, J, and the number of nodes across the slip zones, the harmonic mean weighted by the work.
+    /// `None` if no node slips beside sticking nodes.
+    pub(crate) fn found(&self) -> Option<(f64, f64)> {
+        (self.by_width > 0.0).then(|| (self.work, self.work / self.by_width))
     }
 }

@@ -1,9 +1,8 @@
 //! Loads on the volume of a body: forces proportional to mass, and thermal strain.
 
-use super::elastic::Elasticity;
+use super::element::{CellPoint, Element, gradients, strain_columns};
 use super::facet::NodalForces;
-use super::shape::{CellPoint, gradients};
-use super::strain::{Element, strain_columns};
+use super::material::Elasticity;
 use crate::body::mesh::{Mesh, fine_quadrature, shape};
 
 /// Computes the forces `∫ N_a b dV` (N; in two dimensions per unit depth, for a body of revolution over the full

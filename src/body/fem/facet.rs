@@ -1,7 +1,7 @@
 //! Integrals over the facets of the boundary: nodal weights and consistent nodal forces.
 
 use crate::algebra::vector::{cross, norm, unit};
-use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, fine_quadrature, local_gradients, shape};
+use crate::body::mesh::{Boundary, CellKind, Geometry, Mesh, UNIT_GAUSS3, fine_quadrature, local_gradients, shape};
 
 /// Forces on nodes (N; in two dimensions per unit depth, for a body of revolution over the full circumference), each
 /// with the number of its node; forces on the same node are added.
@@ -56,17 +56,10 @@ struct Point {
     weight: f64,
 }
 
-/// Gauss points on [0, 1].
-const GAUSS: [(f64, f64); 3] = [
-    (0.112_701_665_379_258_31, 0.277_777_777_777_777_8),
-    (0.5, 0.444_444_444_444_444_4),
-    (0.887_298_334_620_741_7, 0.277_777_777_777_777_8),
-];
-
 /// Returns the integration points of a quadrilateral or a facet of second order.
 fn curved_points(mesh: &Mesh, facet: &[usize]) -> Vec<Point> {
     let rule = match mesh.dimension {
-        2 => GAUSS.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
+        2 => UNIT_GAUSS3.map(|(s, weight)| ([s, 0.0, 0.0], weight)).into(),
         _ => fine_quadrature(kind_of(facet)),
     };
     rule.into_iter().map(|(at, weight)| point(mesh, facet, at, weight)).collect()

@@ -15,18 +15,16 @@
 
 use std::collections::HashMap;
 
-use super::elastic::{Elasticity, numbered};
+use super::element::{CellPoint, Element, InvertedElement};
 use super::facet::NodalForces;
-use super::inverted::InvertedElement;
-use super::shape::CellPoint;
-use super::strain::Element;
+use super::material::{Elasticity, numbered};
 use crate::algebra::vector::dot;
 use crate::body::mesh::{CellKind, Mesh, corner_shape, quadrature_of, shape};
 
 /// The nodal volumes of a mesh: one for each corner and each law of the cells around it.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct NodalVolumes {
-    volumes: Vec<NodalVolume>,
+    pub(crate) volumes: Vec<NodalVolume>,
     /// The volumes at the corners of each cell; empty for a cell whose dilatation is not averaged.
     cells: Vec<Vec<usize>>,
 }
@@ -39,7 +37,7 @@ pub(crate) struct NodalVolume {
     /// `κ`, Pa.
     bulk: f64,
     /// The nodes of these cells.
-    nodes: Vec<usize>,
+    pub(crate) nodes: Vec<usize>,
     /// `G_a / V_a`, 1/m: the dilatation for a unit displacement of each node.
     gradients: Vec<[f64; 3]>,
 }
@@ -144,10 +142,6 @@ impl NodalVolumes {
         let of = |(a, volume): (usize, &NodalVolume)| 0.5 * volume.bulk * volume.volume * dilatation(a).powi(2);
         self.volumes.iter().enumerate().map(of).sum()
     }
-
-    pub(crate) fn iter(&self) -> impl Iterator<Item = &NodalVolume> {
-        self.volumes.iter()
-    }
 }
 
 impl NodalVolume {
@@ -167,10 +161,6 @@ impl NodalVolume {
             });
             self.gradients[place].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
         }
-    }
-
-    pub(crate) fn nodes(&self) -> &[usize] {
-        &self.nodes
     }
 
     /// Computes `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as for an element.

@@ -1,5 +1,8 @@
-//! Structured meshes of a rectangle or a box.
+//! Structured meshes of a rectangle, a box or a half-plane, and their division into triangles, tetrahedra and prisms.
 
+use std::collections::HashSet;
+
+use super::sides::from_least;
 use super::{Boundary, Cell, CellKind, Facet, Geometry, Mesh, Notes};
 
 /// Creates a rectangle or box of `size` (m, two or three lengths) with its lowest corner at the origin, divided into
@@ -94,8 +97,127 @@ fn uniform(
     }
 }
 
+/// Creates a rectangle of `size` (m) with its lower left corner at the origin, for contact at the left end of its top:
+/// `contact_elements` equal columns over the first `contact_width` (m), `outer_elements` equal columns over the rest,
+/// and `layers` in geometric progression downwards from elements that are square in the contact zone. Boundaries
+/// `bottom`, `right`, `top` (without the contact zone), `contact` and `left`.
+pub(super) fn half_plane(
+    size: [f64; 2],
+    contact_width: f64,
+    contact_elements: usize,
+    outer_elements: usize,
+    layers: usize,
+) -> Mesh {
+    let [width, height] = size;
+    let inner = (0..contact_elements).map(|i| contact_width * i as f64 / contact_elements as f64);
+    let rest = width - contact_width;
+    let outer = (0..=outer_elements).map(|i| contact_width + rest * i as f64 / outer_elements as f64);
+    let xs: Vec<f64> = inner.chain(outer).collect();
+    let depths = graded(height, layers, contact_width / contact_elements as f64);
+    let ys: Vec<f64> = depths.iter().rev().map(|depth| height - depth).collect();
+
+    let mut mesh = rectangle(&xs, &ys);
+    if let Some(top) = mesh.boundaries.iter_mut().find(|boundary| boundary.name == "top") {
+        // The top runs from right to left, so that the contact zone is its end.
+        let facets = top.facets.split_off(outer_elements);
+        // Contact nodes are numbered from the symmetry plane; each edge keeps its direction.
+        mesh.boundaries.push(Boundary { name: "contact".into(), facets: facets.into_iter().rev().collect() });
+    }
+    mesh
+}
+
+/// Computes depths from 0 to `height` of `layers` layers in geometric progression with the first thickness `first`; the
+/// layers are equal if `first` alone would fill the height.
+fn graded(height: f64, layers: usize, first: f64) -> Vec<f64> {
+    let sum = |q: f64| (0..layers).fold(0.0, |sum, k| sum + first * q.powi(k as i32));
+    // The ratio follows by bisection: the sum grows with it, and a ratio of height / first is too large.
+    let (mut low, mut high) = (1e-3, 1.0 + height / first);
+    while high - low > f64::EPSILON * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if sum(middle) < height { low = middle } else { high = middle }
+    }
+    let ratio = if layers as f64 * first >= height { 1.0 } else { high };
+    let mut depths = vec![0.0];
+    let mut depth = 0.0;
+    for k in 0..layers {
+        depth += ratio.powi(k as i32);
+        depths.push(depth);
+    }
+    depths.iter().map(|d| height * (d / depth)).collect()
+}
+
+/// The six tetrahedra of a hexahedron around its diagonal from corner 0 to corner 6 (Kuhn), one for each order of the
+/// three axes.
+const TETRAHEDRA: [[usize; 4]; 6] =
+    [[0, 1, 2, 6], [0, 5, 1, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 4, 5, 6], [0, 7, 4, 6]];
+
+impl Mesh {
+    /// Divides each quadrilateral into two triangles, each hexahedron into six tetrahedra and each quadrilateral facet
+    /// into two triangles.
+    ///
+    /// Cells and facets are divided along the diagonals at their node with the least number, so that neighbours match
+    /// in a structured mesh whose node numbers grow along every axis, such as [`super::block`].
+    #[must_use]
+    pub fn into_simplices(mut self) -> Mesh {
+        self.cells = self.cells.iter().flat_map(divided).collect();
+        for boundary in &mut self.boundaries {
+            boundary.facets = boundary.facets.iter().flat_map(|facet| triangles(facet)).collect();
+        }
+        self
+    }
+
+    /// Divides each hexahedron into two prisms by a plane through the diagonals from corner 0 to 2 and from 4 to 6, and
+    /// the facets at the ends of the prisms accordingly.
+    #[must_use]
+    pub fn into_prisms(mut self) -> Mesh {
+        const HALVES: [[usize; 6]; 2] = [[0, 1, 2, 4, 5, 6], [0, 2, 3, 4, 6, 7]];
+        let halves = |cell: &Cell| match cell.kind {
+            CellKind::Hexahedron => HALVES
+                .map(|half| Cell { kind: CellKind::Prism, nodes: half.map(|k| cell.nodes[k]).to_vec(), ..cell.clone() })
+                .to_vec(),
+            _ => vec![cell.clone()],
+        };
+        self.cells = self.cells.iter().flat_map(halves).collect();
+        let sides: HashSet<Facet> = self.cells.iter().flat_map(Cell::facets).map(from_least).collect();
+        let parts = |facet: &Facet| {
+            let whole = sides.contains(&from_least(facet.clone()));
+            if whole { vec![facet.clone()] } else { triangles(facet) }
+        };
+        for boundary in &mut self.boundaries {
+            boundary.facets = boundary.facets.iter().flat_map(parts).collect();
+        }
+        self
+    }
+}
+
+fn divided(cell: &Cell) -> Vec<Cell> {
+    let (kind, parts): (_, Vec<Vec<usize>>) = match cell.kind {
+        CellKind::Quadrilateral => (CellKind::Triangle, triangles(&cell.nodes)),
+        CellKind::Hexahedron => {
+            (CellKind::Tetrahedron, TETRAHEDRA.iter().map(|part| part.map(|a| cell.nodes[a]).to_vec()).collect())
+        }
+        other => (other, vec![cell.nodes.clone()]),
+    };
+    parts.into_iter().map(|nodes| Cell { kind, nodes, group: cell.group }).collect()
+}
+
+/// Divides a quadrilateral into two triangles; facets with fewer corners are not changed.
+fn triangles(corners: &[usize]) -> Vec<Facet> {
+    if corners.len() != 4 {
+        return vec![corners.to_vec()];
+    }
+    let first = (0..4).min_by_key(|&a| corners[a]).unwrap_or(0);
+    let corner = |a: usize| corners[(first + a) % 4];
+    vec![vec![corner(0), corner(1), corner(2)], vec![corner(0), corner(2), corner(3)]]
+}
+
 #[cfg(test)]
 mod tests {
+    use std::collections::HashMap;
+
     use super::*;
     use crate::algebra::vector::dot;
 
@@ -150,5 +272,46 @@ mod tests {
         }
         assert_eq!(graded_block(&[0.0, 1.0, 2.0], &[0.0, 1.0], None), block(&[2.0, 1.0], &[2, 1]));
         assert_eq!(progression(3.0, 1, 8.0), [0.0, 3.0]);
+    }
+
+    #[test]
+    fn layers_grow_geometrically_from_square_elements() {
+        let depths = graded(1.0, 11, 1.0 / 300.0);
+        assert_eq!((depths.len(), depths[0], depths[11]), (12, 0.0, 1.0));
+        assert!((depths[1] - 1.0 / 300.0).abs() < 1e-14);
+        let ratio = (depths[2] - depths[1]) / depths[1];
+        assert!(depths.windows(3).all(|d| ((d[2] - d[1]) / (d[1] - d[0]) - ratio).abs() < 1e-9));
+        assert_eq!(graded(1.0, 2, 0.7), [0.0, 0.5, 1.0]);
+    }
+
+    #[test]
+    fn the_mesh_of_the_punch() {
+        let mesh = half_plane([1.0, 1.0], 0.1, 30, 50, 11);
+        assert_eq!(mesh.cells.len(), 880);
+        let contact = mesh.boundary("contact").unwrap();
+        let xs: Vec<f64> = contact.nodes().iter().map(|&node| mesh.nodes[node][0]).collect();
+        assert_eq!((xs.len(), xs[0], xs[30]), (31, 0.0, 0.1));
+        assert!(xs.windows(2).all(|x| x[1] > x[0]));
+        assert_eq!(mesh.boundary("top").unwrap().facets.len(), 50);
+    }
+
+    /// Every face belongs to two tetrahedra, or to one and a boundary.
+    #[test]
+    fn tetrahedra_match() {
+        let mesh = block(&[1.0, 1.0, 1.0], &[3, 2, 2]).into_simplices();
+        assert_eq!(mesh.cells.len(), 6 * 12);
+        let mut faces: HashMap<Vec<usize>, usize> = HashMap::new();
+        let mut count = |face: Vec<usize>| {
+            let mut face = face;
+            face.sort_unstable();
+            *faces.entry(face).or_default() += 1;
+        };
+        for cell in &mesh.cells {
+            for left_out in 0..4 {
+                count((0..4).filter(|&a| a != left_out).map(|a| cell.nodes[a]).collect());
+            }
+        }
+        mesh.boundaries.iter().flat_map(|b| &b.facets).for_each(|facet| count(facet.clone()));
+        assert!(faces.values().all(|&n| n == 2));
     }
 }

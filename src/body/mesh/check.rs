@@ -1,10 +1,11 @@
-//! Checks of a mesh for inverted, degenerate, overlapping and loosely connected cells and for unused and coincident
-//! nodes.
+//! Meshes from arrays, and the checks of a mesh for inverted, degenerate, overlapping and loosely connected cells and for
+//! unused and coincident nodes.
 
+use std::collections::HashSet;
 use std::fmt::Write;
 
-use super::sides::Joint;
-use super::{Cell, Jacobian, Mesh, fine_quadrature, quadrature_of};
+use super::sides::{Joint, Outline, from_least};
+use super::{Boundary, Cell, Geometry, Jacobian, Mesh, Notes, fine_quadrature, quadrature_of};
 use crate::algebra::vector::{cross, dot, minus};
 
 /// Corner determinants and distances below this, relative to the size of the cell or body, count as rounding of
@@ -174,6 +175,11 @@ fn list<T: ToString>(items: &[T]) -> String {
     text
 }
 
+/// Fails with a fault of the cells or nodes that were `found`, if there are any.
+pub(super) fn none<T>(found: Vec<T>, fault: fn(Vec<T>) -> MeshFault) -> Result<(), MeshFault> {
+    if found.is_empty() { Ok(()) } else { Err(fault(found)) }
+}
+
 impl MeshFault {
     /// Returns the correction, in words.
     pub fn help(&self) -> &'static str {
@@ -256,35 +262,21 @@ impl Mesh {
             self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
         };
         let inverted = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume < -least)));
-        if !inverted.is_empty() {
-            return Err(MeshFault::Inverted(inverted));
-        }
+        none(inverted, MeshFault::Inverted)?;
         let degenerate = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume <= least)));
-        if !degenerate.is_empty() {
-            return Err(MeshFault::Degenerate(degenerate));
-        }
+        none(degenerate, MeshFault::Degenerate)?;
         let folded = named(&mut (0..self.cells.len()).filter(|&e| self.is_folded(&self.cells[e])));
-        if !folded.is_empty() {
-            return Err(MeshFault::Folded(folded));
-        }
+        none(folded, MeshFault::Folded)?;
         let mut used = vec![false; self.nodes.len()];
         self.cells.iter().flat_map(|cell| &cell.nodes).for_each(|&node| used[node] = true);
         let unused: Vec<usize> = (0..used.len()).filter(|&k| !used[k]).map(|k| numbers.nodes[k]).collect();
-        if !unused.is_empty() {
-            return Err(MeshFault::UnusedNodes(unused));
-        }
+        none(unused, MeshFault::UnusedNodes)?;
         let numbered =
             |all: &[usize], pairs: Vec<(usize, usize)>| pairs.iter().map(|&(a, b)| (all[a], all[b])).collect();
         let of = bodies.of_nodes();
-        let coincident = self.coincident_nodes(of);
-        if !coincident.is_empty() {
-            return Err(MeshFault::CoincidentNodes(numbered(numbers.nodes, coincident)));
-        }
+        none(numbered(numbers.nodes, self.coincident_nodes(of)), MeshFault::CoincidentNodes)?;
         let sides = self.sides().map_err(|pairs| MeshFault::Overlapping(numbered(numbers.cells, pairs)))?;
-        let unmatched = self.unmatched(&sides);
-        if !unmatched.is_empty() {
-            return Err(MeshFault::Unmatched(numbered(numbers.cells, unmatched)));
-        }
+        none(numbered(numbers.cells, self.unmatched(&sides)), MeshFault::Unmatched)?;
         match self.joint(&sides, bodies.of_cells()) {
             Some(Joint { cells, node }) => {
                 Err(MeshFault::Jointed { elements: named(&mut cells.into_iter()), node: numbers.nodes[node] })
@@ -367,5 +359,104 @@ impl Mesh {
             }
         }
         pairs
+    }
+
+    /// Creates a mesh of `nodes` (m; z = 0 in two dimensions) and `cells`, whose kind determines the dimension.
+    ///
+    /// `groups` are the names of the material groups, to which the group numbers of cells refer; if it is empty, there
+    /// is one group `body`. Facets of `boundaries` may have any orientation and order: they are oriented with their
+    /// outside on the right and, in two dimensions, ordered consecutively.
+    ///
+    /// # Errors
+    /// The first fault found, with all cells or nodes concerned, counted from 0.
+    ///
+    /// ```
+    /// use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
+    ///
+    /// let nodes = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let cells = vec![Cell { kind: CellKind::Triangle, nodes: vec![0, 1, 2], group: 0 }];
+    /// let foot = Boundary { name: "foot".into(), facets: vec![vec![1, 0]] };
+    /// let mesh = Mesh::new(nodes, cells, Vec::new(), vec![foot])?;
+    /// assert_eq!(mesh.boundary("foot").unwrap().facets, [[0, 1]]);
+    /// # Ok::<(), stickslip::body::mesh::MeshFault>(())
+    /// ```
+    pub fn new(
+        nodes: Vec<[f64; 3]>,
+        cells: Vec<Cell>,
+        groups: Vec<String>,
+        boundaries: Vec<Boundary>,
+    ) -> Result<Self, MeshFault> {
+        let dimension = cells.first().ok_or(MeshFault::Empty)?.kind.dimension();
+        let groups = if groups.is_empty() { vec!["body".to_string()] } else { groups };
+        let mut mesh = Mesh {
+            dimension,
+            geometry: Geometry::Cartesian,
+            nodes,
+            cells,
+            groups,
+            boundaries: Vec::new(),
+            notes: Notes::default(),
+        };
+        mesh.check_indices()?;
+        let all: Vec<usize> = (0..mesh.nodes.len().max(mesh.cells.len())).collect();
+        mesh.check_cells(&Numbers { cells: &all, nodes: &all })?;
+        let outline = Outline::new(&mesh.cells);
+        for Boundary { name, facets } in boundaries {
+            let facets: Vec<_> = facets.into_iter().enumerate().collect();
+            mesh.boundaries.push(outline.boundary(&name, &facets)?);
+        }
+        mesh.check_names()?;
+        Ok(mesh)
+    }
+
+    /// Checks that every cell has the dimension of the mesh and refers to existing nodes and an existing group.
+    pub(super) fn check_indices(&self) -> Result<(), MeshFault> {
+        if self.cells.is_empty() {
+            return Err(MeshFault::Empty);
+        }
+        let those = |bad: &dyn Fn(&[f64; 3]) -> bool| -> Vec<usize> {
+            (0..self.nodes.len()).filter(|&k| bad(&self.nodes[k])).collect()
+        };
+        let not_finite = those(&|x| x.iter().any(|c| !c.is_finite()));
+        none(not_finite, MeshFault::NotFinite)?;
+        let lifted = those(&|x| self.dimension == 2 && x[2] != 0.0);
+        none(lifted, MeshFault::OutOfPlane)?;
+        self.check_section()?;
+        let (nodes, groups) = (self.nodes.len(), self.groups.len());
+        for (element, Cell { kind, nodes: own, group }) in self.cells.iter().enumerate() {
+            if kind.dimension() != self.dimension {
+                return Err(MeshFault::Dimensions { element, cell: kind.dimension(), mesh: self.dimension });
+            }
+            if own.len() != kind.nodes() {
+                return Err(MeshFault::Corners { element, given: own.len(), needed: kind.nodes() });
+            }
+            if let Some(&node) = own.iter().find(|&&node| node >= nodes) {
+                return Err(MeshFault::NoNode { element, node, nodes });
+            }
+            if *group >= groups {
+                return Err(MeshFault::NoGroup { element, group: *group, groups });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks that every boundary consists of outer facets, each once and with its outside on the right.
+    fn check_boundaries(&self) -> Result<(), MeshFault> {
+        self.check_names()?;
+        let outline = Outline::new(&self.cells);
+        for Boundary { name, facets } in &self.boundaries {
+            let numbered: Vec<_> = facets.iter().cloned().enumerate().collect();
+            let sound: HashSet<_> = outline.boundary(name, &numbered)?.facets.into_iter().map(from_least).collect();
+            if let Some(element) = facets.iter().position(|facet| !sound.contains(&from_least(facet.clone()))) {
+                return Err(MeshFault::TurnedFacet { boundary: name.clone(), element });
+            }
+        }
+        Ok(())
+    }
+
+    fn check_names(&self) -> Result<(), MeshFault> {
+        let mut known = HashSet::new();
+        let mut names = self.boundaries.iter().map(|boundary| &boundary.name);
+        names.find(|name| !known.insert(*name)).map_or(Ok(()), |name| Err(MeshFault::RepeatedName(name.clone())))
     }
 }

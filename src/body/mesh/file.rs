@@ -8,18 +8,18 @@
 
 mod abaqus;
 mod gmsh;
-mod groups;
 mod raw;
-mod sides;
 mod unv;
 
-use std::fmt;
-use std::io;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::{fmt, io};
 
 use super::check::Numbers;
-use super::{Mesh, MeshFault};
-use raw::RawMesh;
+use super::sides::Outline;
+use super::{Cell, Facet, Geometry, Mesh, MeshFault, Notes};
+use crate::base::input::FileKind;
+use raw::{Block, ElementKind, RawMesh, SAME_PLACE};
 
 /// The formats of mesh files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -83,6 +83,19 @@ pub enum Place {
     Byte(usize),
 }
 
+impl MeshFormatError {
+    fn new(file: &str, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
+        MeshFormatError { file: file.to_string(), place, message: message.into(), help: help.into() }
+    }
+}
+
+/// Fails if the `bytes` of the file `name` are of another kind than the one `needed`.
+fn expect(name: &str, bytes: &[u8], needed: FileKind) -> Result<(), MeshFormatError> {
+    let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != needed) else { return Ok(()) };
+    let message = format!("it is {}, but {} is needed", kind.name(), needed.name());
+    Err(MeshFormatError::new(name, Place::Line(1), message, kind.as_mesh()))
+}
+
 impl fmt::Display for Place {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -117,10 +130,10 @@ impl MeshFormat {
     pub fn parse(self, name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileError> {
         let mut raw = self.raw(name, bytes)?;
         let unsound = |fault| MeshFileError::Unsound { file: name.to_string(), fault };
-        let (mut mesh, cells) = groups::mesh(&mut raw, name, self)?;
+        let (mut mesh, cells) = mesh(&mut raw, name, self)?;
         let numbers = Numbers { cells: &cells, nodes: &raw.numbers };
         mesh.check_cells(&numbers).map_err(unsound)?;
-        groups::boundaries(&mut mesh, &raw);
+        boundaries(&mut mesh, &raw);
         for x in mesh.nodes.iter_mut().flatten() {
             *x *= scale;
         }
@@ -163,4 +176,141 @@ pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, Mesh
         })
     });
     Ok(faces.map(|nodes| nodes.iter().map(|&node| file.nodes[node]).collect()).collect())
+}
+
+/// Creates the mesh without its boundaries; returns also the number of each cell in the file, whose name and format are
+/// for messages.
+fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec<usize>), MeshFormatError> {
+    let error = |message: String, help: &str| MeshFormatError::new(name, Place::Line(1), message, help);
+    let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
+    if dimension < 2 {
+        let help = match format {
+            MeshFormat::Gmsh => {
+                "mesh the surfaces (gmsh -2) or volumes (gmsh -3), and put them in a physical group: where there are any \
+                 groups, Gmsh writes nothing else"
+            }
+            MeshFormat::Abaqus => "let the file, or one that it includes, have *NODE and *ELEMENT",
+            MeshFormat::Unv => "export the faces of a plane mesh, the volumes of a body in space, in the dataset 2412",
+        };
+        return Err(error("the file has no elements of two or three dimensions".to_string(), help));
+    }
+    let mut notes = Notes { remarks: std::mem::take(&mut file.remarks), ..Notes::default() };
+    let unused = file.leave_out_unused_nodes(dimension);
+    if unused > 0 {
+        notes.remarks.push(match unused {
+            1 => "1 node is left out: no element of the body has it".to_string(),
+            _ => format!("{unused} nodes are left out: no element of the body has them"),
+        });
+    }
+    let (mut cells, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::<String>::new());
+    let mut places = HashMap::new();
+    for Block { kind, groups: names, elements } in &file.blocks {
+        let ElementKind::Cell(kind) = *kind else { continue };
+        if kind.dimension() < dimension {
+            continue;
+        }
+        // Cells in no group form a group without a name.
+        let mut names = names.clone();
+        names.sort();
+        let group = names.join("+");
+        if names.len() > 1 && !notes.combined.iter().any(|(known, _)| *known == group) {
+            notes.combined.push((group.clone(), names.clone()));
+        }
+        let group = *places.entry(group).or_insert_with_key(|group| {
+            groups.push(group.clone());
+            groups.len() - 1
+        });
+        for (number, nodes) in elements {
+            cells.push(Cell { kind, nodes: nodes.clone(), group });
+            numbers.push(*number);
+        }
+    }
+    let mut nodes = file.nodes.clone();
+    if dimension == 2 {
+        let help = match format {
+            MeshFormat::Gmsh => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
+                 elements: mesh it with gmsh -3 and put its volumes into a physical group, too, for where there are any \
+                 groups, Gmsh writes nothing else"
+            }
+            MeshFormat::Abaqus => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volume \
+                 elements, C3D4 or others"
+            }
+            MeshFormat::Unv => {
+                "turn a plane mesh into the x-y plane of the file (x-z and y-z are read, too); a body in space needs volumes: \
+                 mesh it in three dimensions and export it again"
+            }
+        };
+        let axes = plane(file).map_err(|message| error(message, help))?;
+        for x in &mut nodes {
+            *x = [x[axes[0]], x[axes[1]], 0.0];
+        }
+        if axes != [0, 1] {
+            let [first, second] = axes.map(|axis| ["x", "y", "z"][axis]);
+            let remark =
+                format!("the mesh lies in the {first}-{second} plane of its file: {first} is x here, {second} is y");
+            notes.remarks.push(remark);
+        }
+    }
+    let boundaries = Vec::new();
+    let mut mesh = Mesh { dimension, geometry: Geometry::Cartesian, nodes, cells, groups, boundaries, notes };
+    turn_over(&mut mesh);
+    Ok((mesh, numbers))
+}
+
+/// Returns the axes of the coordinate plane that contains all nodes. The error is the reason, in words, why there is
+/// none.
+fn plane(file: &RawMesh) -> Result<[usize; 2], String> {
+    let extent = file.nodes.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let origin = file.nodes.first().copied().unwrap_or_default();
+    let off = |axis: usize| file.nodes.iter().position(|x| (x[axis] - origin[axis]).abs() > SAME_PLACE * extent);
+    match (off(2), off(1), off(0)) {
+        (None, ..) => Ok([0, 1]),
+        (_, None, _) => Ok([0, 2]),
+        (.., None) => Ok([1, 2]),
+        (Some(k), ..) => {
+            let (node, z) = (file.numbers[k], file.nodes[k][2]);
+            Err(format!("the mesh is a surface that is not plane: node {node} has z = {z}"))
+        }
+    }
+}
+
+/// Renumbers the cells with the wrong orientation. If a renumbered cell would overlap a neighbour, its node positions
+/// are wrong instead of the order, and it remains as it was.
+fn turn_over(mesh: &mut Mesh) {
+    let inverted = |cell: &Cell| mesh.corner_volumes(cell).iter().all(|&(volume, _)| volume < 0.0);
+    let turned: Vec<bool> = mesh.cells.iter().map(inverted).collect();
+    let turn = |cells: &mut [Cell], which: &dyn Fn(usize) -> bool| {
+        cells.iter_mut().enumerate().filter(|(e, _)| which(*e)).for_each(|(_, cell)| cell.turn_over());
+    };
+    turn(&mut mesh.cells, &|e| turned[e]);
+    // If all cells are renumbered, no new overlaps arise.
+    if turned.contains(&true) && turned.contains(&false) {
+        let pairs = mesh.sides().err().unwrap_or_default();
+        let overlapping: HashSet<usize> = pairs.into_iter().flat_map(|(a, b)| [a, b]).collect();
+        turn(&mut mesh.cells, &|e| turned[e] && overlapping.contains(&e));
+    }
+}
+
+/// Adds a boundary for each group of facets that can be a boundary.
+fn boundaries(mesh: &mut Mesh, file: &RawMesh) {
+    let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
+    let mut places = HashMap::new();
+    for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
+        for name in &block.groups {
+            let k = *places.entry(name).or_insert_with(|| {
+                named.push((name.clone(), Vec::new()));
+                named.len() - 1
+            });
+            named[k].1.extend(block.elements.iter().cloned());
+        }
+    }
+    let outline = Outline::new(&mesh.cells);
+    for (name, facets) in named {
+        match outline.boundary(&name, &facets) {
+            Ok(boundary) => mesh.boundaries.push(boundary),
+            Err(fault) => mesh.notes.unusable.push((name, fault)),
+        }
+    }
 }

@@ -2,6 +2,9 @@
 
 use std::f64::consts::TAU;
 
+use super::check::none;
+use super::{Mesh, MeshFault};
+
 /// The meaning of the coordinates of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Geometry {
@@ -21,5 +24,79 @@ impl Geometry {
             Geometry::Cartesian => 1.0,
             Geometry::Axisymmetric => TAU * x[0],
         }
+    }
+}
+
+/// Nodes within this distance from the axis, relative to the size of the body, count as on the axis, to allow for
+/// rounding of coordinates.
+const ON_AXIS: f64 = 1e-9;
+
+impl Mesh {
+    /// Makes this two-dimensional mesh the half section of a body of revolution about the y axis. Nodes beside the axis
+    /// within rounding are moved to it.
+    ///
+    /// # Errors
+    /// [`MeshFault::NoSection`] for a three-dimensional mesh, [`MeshFault::LeftOfAxis`] if x is negative.
+    ///
+    /// ```
+    /// use stickslip::body::mesh::{Geometry, block};
+    ///
+    /// let cylinder = block(&[1.0, 2.0], &[4, 8]).into_axisymmetric()?;
+    /// assert_eq!(cylinder.geometry, Geometry::Axisymmetric);
+    /// # Ok::<(), stickslip::body::mesh::MeshFault>(())
+    /// ```
+    pub fn into_axisymmetric(mut self) -> Result<Mesh, MeshFault> {
+        let near = ON_AXIS * self.size();
+        for x in self.nodes.iter_mut().filter(|x| x[0].abs() <= near) {
+            x[0] = 0.0;
+        }
+        self.geometry = Geometry::Axisymmetric;
+        self.check_section()?;
+        Ok(self)
+    }
+
+    /// Checks that the mesh of a body of revolution is two-dimensional and on one side of the axis.
+    pub(super) fn check_section(&self) -> Result<(), MeshFault> {
+        if self.geometry == Geometry::Cartesian {
+            return Ok(());
+        }
+        if self.dimension != 2 {
+            return Err(MeshFault::NoSection);
+        }
+        let left: Vec<usize> = (0..self.nodes.len()).filter(|&node| self.nodes[node][0] < 0.0).collect();
+        none(left, MeshFault::LeftOfAxis)
+    }
+
+    /// Returns `true` if `node` is on the axis of a body of revolution, where radial displacements are 0.
+    pub fn is_on_axis(&self, node: usize) -> bool {
+        self.geometry == Geometry::Axisymmetric && self.nodes[node][0] == 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::block;
+    use super::*;
+
+    #[test]
+    fn the_section_is_on_one_side_of_the_axis() {
+        let moved = |x: f64| {
+            let mut mesh = block(&[1.0, 2.0], &[2, 2]);
+            mesh.nodes.iter_mut().for_each(|node| node[0] += x);
+            mesh.into_axisymmetric()
+        };
+        for x in [0.0, 1e-12, -1e-12] {
+            let mesh = moved(x).unwrap();
+            let on_axis: Vec<usize> = (0..mesh.nodes.len()).filter(|&node| mesh.is_on_axis(node)).collect();
+            assert_eq!(on_axis, [0, 3, 6], "{x}");
+            assert!(mesh.check().is_ok());
+        }
+        assert!((0..9).all(|node| !moved(1e-3).unwrap().is_on_axis(node)));
+        assert_eq!(moved(-1e-6).unwrap_err(), MeshFault::LeftOfAxis(vec![0, 3, 6]));
+        assert_eq!(block(&[1.0; 3], &[1; 3]).into_axisymmetric().unwrap_err(), MeshFault::NoSection);
+        // A mesh put together by hand.
+        let mut by_hand = moved(0.0).unwrap();
+        by_hand.nodes[0][0] = -1e-3;
+        assert_eq!(by_hand.check().unwrap_err(), MeshFault::LeftOfAxis(vec![0]));
     }
 }

@@ -1,9 +1,9 @@
 //! Shape functions: linear on triangles and tetrahedra, quadratic on triangles and tetrahedra of second order, bilinear
 //! on quadrilaterals, trilinear on hexahedra, products on prisms, and those of second order of the last three. They also
-//! map the reference cell to the cell.
+//! map the reference cell to the cell. At the integration points they are computed once for all cells of a kind.
 
-use super::CellKind;
 use super::kind::Functions;
+use super::{CellKind, Geometry, Mesh, rules};
 use crate::algebra::vector::{cross, dot, minus, norm};
 
 /// An edge counts as curved if its middle node is off the middle of the straight line by more than this share of the
@@ -210,6 +210,113 @@ impl CellKind {
             norm(off) > STRAIGHT * norm(minus(b, a))
         };
         self.properties().edges.iter().zip(&nodes[self.corners()..]).any(off)
+    }
+}
+
+/// Returns the points and weights of the rule for the stiffness of a cell with straight edges.
+///
+/// Squares and cubes have two Gauss points of weight 1 along each axis, exact for cubic polynomials in each of
+/// [ξ, η, ζ]; triangles and tetrahedra have their centre, exact for linear polynomials; those of second order have
+/// three and four points, exact for quadratic polynomials.
+pub fn quadrature(kind: CellKind) -> Vec<([f64; 3], f64)> {
+    (kind.properties().rule)()
+}
+
+/// Returns the rule that is exact for polynomials of one degree more on triangles and tetrahedra, and of two degrees
+/// more on those of second order.
+pub fn fine_quadrature(kind: CellKind) -> Vec<([f64; 3], f64)> {
+    (kind.properties().fine_rule)()
+}
+
+/// Returns the rule for the stiffness of the cell with these `nodes`: a curved tetrahedron has more points than in
+/// [`quadrature`]. In a body of revolution, integrands are multiplied by the distance from the axis, and the hoop
+/// strain is divided by it. There a linear triangle has three points, since one point would leave a zero-energy mode,
+/// and a curved triangle of second order has more than three.
+pub fn quadrature_of(kind: CellKind, geometry: Geometry, nodes: &[[f64; 3]]) -> Vec<([f64; 3], f64)> {
+    stiffness_rule(kind, geometry, kind.is_curved(nodes))
+}
+
+/// Returns the rule for the stiffness of a cell that is `curved` or not.
+pub(crate) fn stiffness_rule(kind: CellKind, geometry: Geometry, curved: bool) -> Vec<([f64; 3], f64)> {
+    let properties = kind.properties();
+    match (geometry, curved) {
+        // Gradients times the determinant of curved edges are cubic, so that four points fail the patch test.
+        (Geometry::Cartesian, true) if kind == CellKind::Tetrahedron10 => rules::tetrahedron8(),
+        (Geometry::Cartesian, _) => (properties.rule)(),
+        (Geometry::Axisymmetric, false) if kind.is_quadratic() => (properties.rule)(),
+        (Geometry::Axisymmetric, _) => (properties.fine_rule)(),
+    }
+}
+
+/// The largest number of nodes of a cell.
+pub(crate) const MAX_NODES: usize = 20;
+
+/// The largest number of corners of a cell.
+const MAX_CORNERS: usize = 8;
+
+/// A point of a rule on a reference cell.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ReferencePoint {
+    /// The weight of the point.
+    pub weight: f64,
+    /// The shape functions of the nodes; 0 beyond the last node.
+    pub shape: [f64; MAX_NODES],
+    /// The shape functions of the corners, see [`corner_shape`].
+    pub corners: [f64; MAX_CORNERS],
+    /// `∂N_a/∂(ξ, η, ζ)` of the nodes.
+    pub slopes: [[f64; 3]; MAX_NODES],
+}
+
+/// A kind of cell at its integration points.
+#[derive(Debug, Clone)]
+pub(crate) struct ReferenceCell {
+    straight: Vec<ReferencePoint>,
+    curved: Vec<ReferencePoint>,
+    /// The points of [`fine_quadrature`].
+    pub fine: Vec<ReferencePoint>,
+}
+
+impl ReferenceCell {
+    fn new(kind: CellKind, geometry: Geometry) -> Self {
+        let at = |(point, weight): ([f64; 3], f64)| {
+            let (values, gradients) = (shape(kind, point), local_gradients(kind, point));
+            let (mut shape, mut slopes) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
+            shape[..values.len()].copy_from_slice(&values);
+            slopes[..gradients.len()].copy_from_slice(&gradients);
+            let (of_corners, mut corners) = (corner_shape(kind, point), [0.0; MAX_CORNERS]);
+            corners[..of_corners.len()].copy_from_slice(&of_corners);
+            ReferencePoint { weight, shape, corners, slopes }
+        };
+        ReferenceCell {
+            straight: stiffness_rule(kind, geometry, false).into_iter().map(at).collect(),
+            curved: stiffness_rule(kind, geometry, true).into_iter().map(at).collect(),
+            fine: fine_quadrature(kind).into_iter().map(at).collect(),
+        }
+    }
+
+    /// Returns the points of [`super::quadrature_of`] for the cell of this `kind` with these `nodes`.
+    pub(crate) fn of(&self, kind: CellKind, nodes: &[[f64; 3]]) -> &[ReferencePoint] {
+        if kind.is_curved(nodes) { &self.curved } else { &self.straight }
+    }
+}
+
+/// The kinds of cells in a mesh.
+#[derive(Debug, Clone)]
+pub(crate) struct ReferenceCells([Option<ReferenceCell>; CellKind::ALL.len()]);
+
+impl ReferenceCells {
+    /// Computes the points of all kinds of cells in `mesh`.
+    pub(crate) fn new(mesh: &Mesh) -> Self {
+        let mut cells = ReferenceCells(Default::default());
+        for cell in &mesh.cells {
+            cells.0[cell.kind as usize].get_or_insert_with(|| ReferenceCell::new(cell.kind, mesh.geometry));
+        }
+        cells
+    }
+
+    /// Returns the points of a kind; `None` if the mesh has no such cells.
+    pub(crate) fn get(&self, kind: CellKind) -> Option<&ReferenceCell> {
+        self.0[kind as usize].as_ref()
     }
 }
 

@@ -61,8 +61,6 @@ pub(super) enum Functions {
 pub(super) struct Properties {
     /// The name of the kind.
     pub name: &'static str,
-    /// The dimension, 2 or 3.
-    pub dimension: usize,
     pub functions: Functions,
     /// For each corner, the corners at the other ends of its edges, as many as there are dimensions, in right-handed
     /// order; for a tetrahedron one corner suffices.
@@ -77,8 +75,6 @@ pub(super) struct Properties {
     pub sides: &'static [&'static [usize]],
     /// The rule for the stiffness.
     pub rule: fn() -> Rule,
-    /// The rule for the stiffness of a cell with curved edges.
-    pub curved_rule: fn() -> Rule,
     /// The rule for loads, of a higher degree.
     pub fine_rule: fn() -> Rule,
     /// Gmsh's number of the type.
@@ -89,19 +85,15 @@ pub(super) struct Properties {
     pub vtk: u8,
 }
 
-const AROUND_A_TRIANGLE: &[&[usize]] = &[&[1, 2], &[2, 0], &[0, 1]];
-
 const TRIANGLE: Properties = Properties {
     name: "triangle",
-    dimension: 2,
     functions: Functions::Linear,
-    neighbours: AROUND_A_TRIANGLE,
+    neighbours: &[&[1, 2], &[2, 0], &[0, 1]],
     edges: &[],
     around: &[],
     mirrored: &[2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 0]],
     rule: rules::triangle1,
-    curved_rule: rules::triangle1,
     fine_rule: rules::triangle3,
     gmsh: 2,
     gmsh_order: &[0, 1, 2],
@@ -110,7 +102,6 @@ const TRIANGLE: Properties = Properties {
 
 const QUADRILATERAL: Properties = Properties {
     name: "quadrilateral",
-    dimension: 2,
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3], &[2, 0], &[3, 1], &[0, 2]],
     edges: &[],
@@ -118,7 +109,6 @@ const QUADRILATERAL: Properties = Properties {
     mirrored: &[3, 2, 1, 0],
     sides: &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
     rule: rules::square4,
-    curved_rule: rules::square4,
     fine_rule: rules::square4,
     gmsh: 3,
     gmsh_order: &[0, 1, 2, 3],
@@ -127,7 +117,6 @@ const QUADRILATERAL: Properties = Properties {
 
 const TETRAHEDRON: Properties = Properties {
     name: "tetrahedron",
-    dimension: 3,
     functions: Functions::Linear,
     neighbours: &[&[1, 2, 3]],
     edges: &[],
@@ -135,7 +124,6 @@ const TETRAHEDRON: Properties = Properties {
     mirrored: &[1, 0, 2, 3],
     sides: &[&[0, 2, 1], &[0, 1, 3], &[1, 2, 3], &[0, 3, 2]],
     rule: rules::tetrahedron1,
-    curved_rule: rules::tetrahedron1,
     fine_rule: rules::tetrahedron4,
     gmsh: 4,
     gmsh_order: &[0, 1, 2, 3],
@@ -144,7 +132,6 @@ const TETRAHEDRON: Properties = Properties {
 
 const HEXAHEDRON: Properties = Properties {
     name: "hexahedron",
-    dimension: 3,
     functions: Functions::Multilinear,
     neighbours: &[&[1, 3, 4], &[2, 0, 5], &[3, 1, 6], &[0, 2, 7], &[7, 5, 0], &[4, 6, 1], &[5, 7, 2], &[6, 4, 3]],
     edges: &[],
@@ -152,7 +139,6 @@ const HEXAHEDRON: Properties = Properties {
     mirrored: &[4, 5, 6, 7, 0, 1, 2, 3],
     sides: &[&[0, 3, 2, 1], &[4, 5, 6, 7], &[0, 1, 5, 4], &[1, 2, 6, 5], &[2, 3, 7, 6], &[3, 0, 4, 7]],
     rule: rules::cube8,
-    curved_rule: rules::cube8,
     fine_rule: rules::cube8,
     gmsh: 5,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
@@ -161,7 +147,6 @@ const HEXAHEDRON: Properties = Properties {
 
 const PRISM: Properties = Properties {
     name: "prism",
-    dimension: 3,
     functions: Functions::Prismatic,
     neighbours: &[&[1, 2, 3], &[2, 0, 4], &[0, 1, 5], &[5, 4, 0], &[3, 5, 1], &[4, 3, 2]],
     edges: &[],
@@ -170,7 +155,6 @@ const PRISM: Properties = Properties {
     sides: &[&[0, 2, 1], &[3, 4, 5], &[0, 1, 4, 3], &[1, 2, 5, 4], &[2, 0, 3, 5]],
     // With one point in the triangle, the prism would have a zero-energy mode.
     rule: rules::prism6,
-    curved_rule: rules::prism6,
     fine_rule: rules::prism6,
     gmsh: 6,
     gmsh_order: &[0, 1, 2, 3, 4, 5],
@@ -179,38 +163,31 @@ const PRISM: Properties = Properties {
 
 const TRIANGLE6: Properties = Properties {
     name: "triangle of six nodes",
-    dimension: 2,
     functions: Functions::Quadratic,
-    neighbours: AROUND_A_TRIANGLE,
     edges: &[[0, 1], [1, 2], [2, 0]],
-    around: &[],
     mirrored: &[2, 1, 0, 4, 3, 5],
     sides: &[&[0, 3, 1], &[1, 4, 2], &[2, 5, 0]],
     rule: rules::triangle3,
-    curved_rule: rules::triangle3,
     fine_rule: rules::triangle6,
     gmsh: 9,
     gmsh_order: &[0, 1, 2, 3, 4, 5],
     vtk: 22,
+    ..TRIANGLE
 };
 
 const TETRAHEDRON10: Properties = Properties {
     name: "tetrahedron of ten nodes",
-    dimension: 3,
     functions: Functions::Quadratic,
-    neighbours: &[&[1, 2, 3]],
     edges: &[[0, 1], [1, 2], [2, 0], [0, 3], [1, 3], [2, 3]],
-    around: &[],
     mirrored: &[1, 0, 2, 3, 4, 6, 5, 8, 7, 9],
     sides: &[&[0, 6, 2, 5, 1, 4], &[0, 4, 1, 8, 3, 7], &[1, 5, 2, 9, 3, 8], &[0, 7, 3, 9, 2, 6]],
-    // Four points are exact on straight edges. The gradients times the determinant of curved ones are cubic, and four
-    // points fail the patch test.
+    // Four points are exact on straight edges.
     rule: rules::tetrahedron4,
-    curved_rule: rules::tetrahedron8,
     fine_rule: rules::tetrahedron27,
     gmsh: 11,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
     vtk: 24,
+    ..TETRAHEDRON
 };
 
 const QUADRILATERAL8: Properties = Properties {
@@ -221,7 +198,6 @@ const QUADRILATERAL8: Properties = Properties {
     sides: &[&[0, 4, 1], &[1, 5, 2], &[2, 6, 3], &[3, 7, 0]],
     // Exact for the gradients times the determinant of curved edges, too, and times the distance from an axis.
     rule: rules::square9,
-    curved_rule: rules::square9,
     fine_rule: rules::square9,
     gmsh: 16,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7],
@@ -255,7 +231,6 @@ const HEXAHEDRON20: Properties = Properties {
     ],
     // Exact for the gradients times the determinant of curved edges, too.
     rule: rules::cube27,
-    curved_rule: rules::cube27,
     fine_rule: rules::cube27,
     gmsh: 17,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 13, 9, 16, 18, 19, 17, 10, 12, 14, 15],
@@ -277,7 +252,6 @@ const PRISM15: Properties = Properties {
     ],
     // A prism whose ends are not parallel fails the patch test with three points in the triangle.
     rule: rules::prism18,
-    curved_rule: rules::prism18,
     fine_rule: rules::prism18,
     gmsh: 18,
     gmsh_order: &[0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11],
@@ -371,7 +345,7 @@ impl CellKind {
 
     /// Returns the dimension, 2 or 3.
     pub fn dimension(self) -> usize {
-        self.properties().dimension
+        self.properties().neighbours[0].len()
     }
 
     /// Returns the centre of the reference cell. Coordinates go from -1 to 1; in a triangle or tetrahedron, and across

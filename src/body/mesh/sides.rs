@@ -1,8 +1,8 @@
-//! The sides of cells, and the connection of cells by sides.
+//! The sides of cells, the connection of cells by sides, and named boundaries, whose facets have their outside on the right.
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Cell, Facet, Mesh};
+use super::{Boundary, Cell, Facet, Mesh, MeshFault};
 use crate::algebra::union_find::UnionFind;
 
 /// A place where parts of one body touch without a common side.
@@ -91,9 +91,7 @@ impl Mesh {
         let cells = (0..self.cells.len()).filter(|&e| body[e] == own && joined.least(e) == e).collect();
         Some(Joint { cells, node })
     }
-}
 
-impl Mesh {
     /// Returns pairs of cells of which one has a quadrilateral side, of those in `sides`, and the other a triangle with
     /// three of its corners.
     pub(super) fn unmatched(&self, sides: &HashMap<Facet, usize>) -> Vec<(usize, usize)> {
@@ -104,14 +102,10 @@ impl Mesh {
         let corners: Vec<(Facet, usize)> =
             sides.iter().map(|(facet, &e)| (self.cells[e].corners_among(facet), e)).collect();
         let of = |count: usize| corners.iter().filter(move |(facet, _)| facet.len() == count);
-        let sorted = |mut corners: Facet| {
-            corners.sort_unstable();
-            corners
-        };
-        let triangles: HashMap<Facet, usize> = of(3).map(|(facet, e)| (sorted(facet.clone()), *e)).collect();
+        let triangles: HashMap<Facet, usize> = of(3).map(|(facet, e)| (sorted(facet), *e)).collect();
         let mut pairs: Vec<(usize, usize)> = Vec::new();
         for (facet, e) in of(4) {
-            let without = |k: usize| sorted((0..4).filter(|j| *j != k).map(|j| facet[j]).collect());
+            let without = |k: usize| sorted(&(0..4).filter(|j| *j != k).map(|j| facet[j]).collect::<Facet>());
             let others = (0..4).filter_map(|k| triangles.get(&without(k))).filter(|other| *other != e);
             pairs.extend(others.map(|other| (*e.min(other), *e.max(other))));
         }
@@ -130,11 +124,77 @@ pub(super) fn from_least(mut facet: Facet) -> Facet {
     facet
 }
 
+/// The outer facets of a mesh by their sorted nodes.
+pub(super) struct Outline {
+    outer: HashMap<Facet, Option<Facet>>,
+    dimension: Option<usize>,
+}
+
+/// Returns the nodes of a facet in ascending order.
+pub(crate) fn sorted(nodes: &[usize]) -> Facet {
+    let mut key = nodes.to_vec();
+    key.sort_unstable();
+    key
+}
+
+impl Outline {
+    pub(super) fn new(cells: &[Cell]) -> Self {
+        let mut outer: HashMap<Facet, Option<Facet>> = HashMap::new();
+        for facet in cells.iter().flat_map(Cell::facets) {
+            // A facet of two cells is inside the body.
+            outer.entry(sorted(&facet)).and_modify(|facet| *facet = None).or_insert(Some(facet));
+        }
+        Outline { outer, dimension: cells.first().map(|cell| cell.kind.dimension()) }
+    }
+
+    /// Creates the boundary `name` of `facets`, each with its number for messages; in two dimensions the edges are
+    /// ordered consecutively.
+    pub(super) fn boundary(&self, name: &str, facets: &[(usize, Facet)]) -> Result<Boundary, MeshFault> {
+        let boundary = || name.to_string();
+        let mut taken = HashMap::new();
+        let mut outwards = Vec::with_capacity(facets.len());
+        for (number, nodes) in facets {
+            if let Some(first) = taken.insert(sorted(nodes), *number) {
+                return Err(MeshFault::RepeatedFacet { boundary: boundary(), elements: (first, *number) });
+            }
+            match self.outer.get(&sorted(nodes)) {
+                Some(Some(facet)) => outwards.push(facet.clone()),
+                Some(None) => return Err(MeshFault::InnerFacet { boundary: boundary(), element: *number }),
+                None => return Err(MeshFault::LooseFacet { boundary: boundary(), element: *number }),
+            }
+        }
+        Ok(Boundary {
+            name: boundary(),
+            facets: if self.dimension == Some(2) { in_a_row(&outwards) } else { outwards },
+        })
+    }
+}
+
+/// Orders edges consecutively, chain by chain.
+fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
+    let from: HashMap<usize, usize> = edges.iter().enumerate().map(|(k, edge)| (edge[0], k)).collect();
+    let end = |edge: &Facet| edge[edge.len() - 1];
+    let ends: std::collections::HashSet<usize> = edges.iter().map(end).collect();
+    let begins = |k: &usize| !ends.contains(&edges[*k][0]);
+    let mut taken = vec![false; edges.len()];
+    let mut row = Vec::with_capacity(edges.len());
+    // Open chains are first, from their beginnings; closed chains follow.
+    for first in (0..edges.len()).filter(begins).chain(0..edges.len()) {
+        let mut next = Some(first);
+        while let Some(k) = next.filter(|&k| !taken[k]) {
+            taken[k] = true;
+            row.push(edges[k].clone());
+            next = from.get(&end(&edges[k])).copied();
+        }
+    }
+    row
+}
+
 #[cfg(test)]
 mod tests {
+    use super::super::block::half_plane;
+    use super::super::{CellKind, block};
     use super::*;
-    use crate::body::mesh::half_plane::half_plane;
-    use crate::body::mesh::{CellKind, block};
 
     fn joint(mesh: &Mesh) -> Option<(Vec<usize>, usize)> {
         let Joint { cells, node } = mesh.joint(&mesh.sides().unwrap(), mesh.bodies().of_cells())?;
@@ -206,5 +266,12 @@ mod tests {
         let [a, b, c, d] = mesh.cells[2].nodes[..] else { panic!() };
         mesh.cells.push(Cell { nodes: vec![b, c, a, d], ..mesh.cells[2].clone() });
         assert_eq!(mesh.sides().unwrap_err(), [(2, 6)]);
+    }
+
+    #[test]
+    fn edges_follow_one_another() {
+        let edges = [vec![3, 4], vec![1, 2], vec![2, 9, 3], vec![8, 7], vec![7, 8]];
+        let row: Vec<usize> = in_a_row(&edges).iter().map(|edge| edge[0]).collect();
+        assert_eq!(row, [1, 2, 3, 8, 7]);
     }
 }

@@ -5,9 +5,8 @@ use std::fmt::{self, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::block::{graded_block, progression};
-use super::half_plane::half_plane;
-use super::joined::{append, named};
+use super::block::{graded_block, half_plane, progression};
+use super::bodies::{append, of_body};
 use super::{Boundary, CellKind, Facet, Mesh, MeshFileError, MeshFormat};
 use crate::algebra::vector::{Vector, plus};
 use crate::base::input_error::{InputError, ensure, finite, in_one_line, not_huge, positive};
@@ -333,13 +332,8 @@ impl HalfPlane {
         let (key, width) = ("mesh.contact_width", self.contact_width);
         finite(key, width)?;
         let must = "positive and less than the width of the mesh";
-        ensure(
-            width > 0.0 && width < self.size[0],
-            key,
-            &width,
-            must,
-            "give the contact zone in m or as [units] says",
-        )?;
+        let help = "give the contact zone in m or as [units] says";
+        ensure(width > 0.0 && width < self.size[0], key, &width, must, help)?;
         let (contact, outer, layers) = (self.contact_elements, self.outer_elements, self.layers);
         for (key, n) in [("mesh.contact_elements", contact), ("mesh.outer_elements", outer), ("mesh.layers", layers)] {
             let must = "at least 1 and at most 50 million";
@@ -446,7 +440,7 @@ fn joined(bodies: &[Body]) -> Result<Mesh, MeshError> {
             MeshError::Source(fault) => under(fault),
             file @ MeshError::File(_) => file,
         })?;
-        let mesh = named(Arc::unwrap_or_clone(mesh), name, *at);
+        let mesh = of_body(Arc::unwrap_or_clone(mesh), name, *at);
         match &mut all {
             None => all = Some(mesh),
             Some(all) => append(all, name, mesh).map_err(under)?,

@@ -186,7 +186,7 @@ impl Model {
         let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
         if carried.iter().any(|carried| *carried != [0.0; 3]) {
             for (node, u) in all.iter_mut().enumerate() {
-                *u = plus(*u, 1.0, carried[self.carrying.of(node)]);
+                *u = plus(*u, 1.0, carried[self.carrying.of_node[node]]);
             }
         }
         all
@@ -227,7 +227,7 @@ impl Model {
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // A rigid offset of both bodies causes no relative motion.
-        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of(contact.node), t) };
+        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of_node[contact.node], t) };
         let of = |moved: &Moved| {
             if coupled {
                 return moved.beyond_contact(&self.dofs, &self.carrying, contact);
@@ -335,27 +335,20 @@ impl Model {
             }
             add(&mut forces, 1.0, parts);
         }
-        let supports: Vec<Wrench> = (shares.iter())
-            .map(|shares| {
-                let share = |(node, matrix): &(usize, [[f64; 3]; 3])| {
-                    let force = matrix.map(|row| dot(row, forces[*node]));
-                    size += norm(force);
-                    self.wrench_on(*node, force)
-                };
-                shares.iter().map(share).sum()
-            })
-            .collect();
+        let mut felt = |node: usize, force: [f64; 3]| {
+            size += norm(force);
+            self.wrench_on(node, force)
+        };
+        let mut supports = Vec::with_capacity(shares.len());
+        for share in shares {
+            let of_node = |(node, matrix): &(usize, [[f64; 3]; 3])| (*node, matrix.map(|row| dot(row, forces[*node])));
+            supports.push(share.iter().map(of_node).map(|(node, force)| felt(node, force)).sum());
+        }
         let displaced = if springs.is_empty() { Vec::new() } else { self.all_displaced(t, &state.u) };
-        let springs: Vec<Wrench> = (springs.iter())
-            .map(|springs| {
-                let all = springs.iter().flat_map(|spring| spring.forces(&displaced));
-                all.map(|(node, force)| {
-                    size += norm(force);
-                    self.wrench_on(node, force)
-                })
-                .sum()
-            })
-            .collect();
+        let of_bed = |bed: &Vec<Spring>| {
+            bed.iter().flat_map(|spring| spring.forces(&displaced)).map(|(node, force)| felt(node, force)).sum()
+        };
+        let springs: Vec<Wrench> = springs.iter().map(of_bed).collect();
         size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();
         let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
         let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
@@ -416,7 +409,7 @@ impl Model {
             let of_springs = springs.iter().zip(of_springs).filter(|(bed, _)| here(bed.coupling()));
             let wrenches = of_loads.map(|(_, w)| *w).chain(of_supports.map(|(_, w)| *w));
             let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
-            let position = self.couplings.all[k].position();
+            let position = self.couplings.all[k].position;
             let moment = match self.mesh.geometry {
                 Geometry::Cartesian => minus(moment, cross(position, force)),
                 Geometry::Axisymmetric => moment,

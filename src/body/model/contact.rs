@@ -2,12 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::carrying::Carrying;
 use super::find;
 use super::glued_contact::carry_glued;
 use super::pair::Pairs;
-use super::rigid_contact::{determined, not_between_carried};
-use super::support::Moved;
+use super::support::{Carrying, Moved};
+use crate::algebra::null_space::{self, null_space};
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
@@ -18,7 +17,7 @@ use crate::body::contact::{
     meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
-use crate::body::mesh::{Boundary, Mesh};
+use crate::body::mesh::{Boundary, Mesh, sorted};
 use crate::solver::loading::FrictionHistory;
 use crate::solver::problem::ProblemError;
 
@@ -97,12 +96,14 @@ impl Contacts {
         }
         refuse_idle_history(contact, &own_mu, k)?;
         let first = self.nodes.len();
+        // The nodes at both ends of a period are one.
+        let apart: BTreeSet<usize> = boundary.nodes().into_iter().map(|node| dofs.moving_alike(node)).collect();
         self.boundaries.push(ContactBoundary {
             name: pair.slave.clone(),
             contact: k,
             nodes: (first..first + nodes.len()).collect(),
             weights: nodes.iter().map(|node| node.weight).collect(),
-            beyond: alike(dofs, boundary).saturating_sub(nodes.len()),
+            beyond: apart.len().saturating_sub(nodes.len()),
             obstacles: self.obstacles.len()..self.obstacles.len(),
             pair: Some(number),
         });
@@ -122,7 +123,7 @@ impl Contacts {
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             // All bodies in front of one obstacle have the same rigid offset.
-            let group = boundary.nodes().first().map_or(0, |&node| carrying.of(node));
+            let group = boundary.nodes().first().map_or(0, |&node| carrying.of_node[node]);
             for Moved { carried, history, .. } in moved {
                 motion.pass(carried[group], history);
             }
@@ -135,11 +136,8 @@ impl Contacts {
             } else {
                 format!("supports hold every node of the contact boundary `{}`", contact.boundary)
             };
-            return Err(InputError::new(
-                format!("contact[{k}].boundary"),
-                message,
-                "remove the contact or the support",
-            ));
+            let help = "remove the contact or the support";
+            return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
         }
         let first = self.obstacles.len();
         self.obstacles.extend(obstacles);
@@ -245,11 +243,6 @@ impl Contacts {
     }
 }
 
-/// Returns the number of nodes of a boundary that move differently: those at both ends of a period are one.
-fn alike(dofs: &Dofs, boundary: &Boundary) -> usize {
-    boundary.nodes().into_iter().map(|node| dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len()
-}
-
 /// Returns `true` if two contact nodes have the same rows.
 fn has_rows_of(node: &ContactNode, other: &ContactNode) -> bool {
     let same = |a: &Row, b: &Row| {
@@ -280,9 +273,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
     for (k, contact) in contacts.iter().enumerate() {
         let own = pairs.of_contact(k).map_or(&contact.boundary, |pair| &pairs.all[pair].slave);
         for facet in &find(mesh, own, &format!("contact[{k}]"))?.facets {
-            let mut nodes = facet.clone();
-            nodes.sort_unstable();
-            let Some(other) = whose.insert(nodes, own) else { continue };
+            let Some(other) = whose.insert(sorted(facet), own) else { continue };
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
             let place = description.system(mesh.dimension).place(middle);
@@ -436,4 +427,69 @@ fn met(
         return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
     }
     Ok(met)
+}
+
+/// The cure for such a contact.
+const HELP: &str =
+    "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
+
+/// Fails if reference points carry every node of both sides of contact `k`.
+fn not_between_carried(description: &Description, mesh: &Mesh, dofs: &Dofs, k: usize) -> Result<(), InputError> {
+    let contact = &description.contacts[k];
+    let carried = |name: &String| mesh.boundary(name).is_some_and(|boundary| dofs.are_rigid(&boundary.nodes()));
+    let Some(opposite) = contact.opposite().filter(|_| carried(&contact.boundary)) else { return Ok(()) };
+    if !opposite.boundaries.iter().all(carried) {
+        return Ok(());
+    }
+    let message = format!("`{}` and the boundary against it are rigid by couplings", contact.boundary);
+    Err(InputError::new(format!("contact[{k}].boundary"), message, HELP))
+}
+
+/// Fails if the forces of obstacles on the nodes that a reference point carries are not determined: their rows of `C_n`,
+/// `C_t` and `C_o`, in the unknowns of the point, depend on each other.
+///
+/// `mu` are the friction coefficients of `nodes`.
+pub(super) fn determined(
+    (nodes, mu): (&[ContactNode], &[f64]),
+    boundaries: &[ContactBoundary],
+    description: &Description,
+    dofs: &Dofs,
+) -> Result<(), InputError> {
+    let mut of_point: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (i, node) in nodes.iter().enumerate().filter(|(_, node)| node.obstacle().is_some()) {
+        if let Some(point) = dofs.point_carrying(node.node) {
+            of_point.entry(point).or_default().push(i);
+        }
+    }
+    for carried in of_point.values() {
+        let rows = |&i: &usize| {
+            let ContactNode { normal, tangents, .. } = &nodes[i];
+            let tangents = tangents.iter().filter(move |row| mu[i] != 0.0 && !row.is_empty());
+            std::iter::once(normal).chain(tangents)
+        };
+        let rows: Vec<_> = carried.iter().flat_map(rows).collect();
+        let mut columns = BTreeMap::new();
+        for &(dof, _) in rows.iter().copied().flatten() {
+            let next = columns.len();
+            columns.entry(dof).or_insert(next);
+        }
+        let row = |row: &&Vec<(usize, f64)>| {
+            let mut entries = vec![0.0; columns.len()];
+            row.iter().for_each(|(dof, c)| entries[columns[dof]] += c);
+            null_space::Row::of_unit_size(entries)
+        };
+        let left = null_space(columns.len(), rows.iter().map(row)).len();
+        if columns.len() - left == rows.len() {
+            continue;
+        }
+        let boundary = boundaries.iter().find(|boundary| carried.iter().any(|i| boundary.nodes.contains(i)));
+        let k = boundary.map_or(0, |boundary| boundary.contact);
+        let message = format!(
+            "a rigid coupling carries {} nodes in contact with a rigid obstacle, `{}` among them",
+            carried.len(),
+            description.contacts[k].boundary,
+        );
+        return Err(InputError::new(format!("contact[{k}].boundary"), message, HELP));
+    }
+    Ok(())
 }

@@ -28,7 +28,7 @@ pub(super) struct Couplings {
 pub(super) struct Coupled {
     name: String,
     /// The position of the reference point, m.
-    position: [f64; 3],
+    pub position: [f64; 3],
     /// The coupled nodes with their shares in the area of the boundary, or in the volume of the body.
     shares: Vec<(usize, f64)>,
     link: Link,
@@ -108,11 +108,8 @@ impl Couplings {
             let name = given.part.name();
             let message = format!("`{name}` has its nodes on one line, so that it cannot follow a rotation about it");
             let place = format!("{key}.{}", given.part.key());
-            return Err(InputError::new(
-                place,
-                message,
-                "couple a larger boundary, or use a support, a spring or a force",
-            ));
+            let help = "couple a larger boundary, or use a support, a spring or a force";
+            return Err(InputError::new(place, message, help));
         }
         let link = match given.kind {
             CouplingKind::Rigid => {
@@ -239,11 +236,6 @@ impl Coupled {
             Link::Rigid { k, .. } => Some((k, self.shares.iter().map(|(node, _)| *node).collect())),
             Link::Distributing(_) => None,
         }
-    }
-
-    /// Returns the position of the reference point, m.
-    pub(super) fn position(&self) -> [f64; 3] {
-        self.position
     }
 }
 

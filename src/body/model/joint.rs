@@ -32,7 +32,7 @@ pub(super) struct Joint {
     boundary: String,
     /// The pretension; `None` for periodic boundaries that do not move apart.
     pub tightened: Option<Section>,
-    jump: Jump,
+    pub jump: Jump,
     /// The centroid of the boundary, m.
     centre: [f64; 3],
 }
@@ -115,11 +115,6 @@ impl Joints {
             }
         }
         Ok(())
-    }
-
-    /// Returns the jumps, without their sums.
-    pub(super) fn jumps(&self) -> Vec<Jump> {
-        self.all.iter().map(|joint| joint.jump.clone()).collect()
     }
 
     /// Returns the directions along which jump `k` is held.
@@ -221,7 +216,7 @@ impl Joints {
     ) -> impl Iterator<Item = ((usize, [f64; 3]), Vec<[f64; 2]>)> + 'a {
         self.sections().filter(move |(_, section)| section.is_by_force() == by_force).map(move |(k, section)| {
             let size = match section.tightening {
-                Tightening::Force { plane, .. } if dofs.dimension() == 2 => plane,
+                Tightening::Force { plane, .. } if dofs.dimension == 2 => plane,
                 Tightening::Force { space, .. } => space,
                 Tightening::Shortening(by) => by,
             };

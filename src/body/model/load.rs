@@ -1,39 +1,20 @@
-//! The loads and springs of a description as forces on the nodes of its mesh.
+//! The loads of a description as forces on the nodes of its mesh.
 
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 
-use super::coupling::{Couplings, about_axes};
+use super::coupling::about_axes;
+use super::discrete::Discrete;
 use super::find;
-use super::place::{node, of_dimension, suits};
+use super::place::{in_space, node, suits, with_area};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
-use crate::body::constraints::Dofs;
-use crate::body::description::{Action, Bed, Description, Where};
+use crate::body::description::{Action, Description, Where};
 use crate::body::fem::{
-    Bedding, Elasticity, Element, NodalForces, NodalVolumes, Plane, Spring, area, body_force, thermal_forces,
-    traction as traction_of, uniform_traction,
+    NodalForces, Plane, area, body_force, thermal_forces, traction as traction_of, uniform_traction,
 };
 use crate::body::mesh::{Boundary, Geometry, Mesh};
-
-/// The data of the body that loads need.
-pub(super) struct LoadedBody<'a> {
-    pub description: &'a Description,
-    pub mesh: &'a Mesh,
-    pub dofs: &'a Dofs,
-    pub couplings: &'a Couplings,
-    pub element: Element,
-    pub volumes: &'a NodalVolumes,
-    pub materials: &'a [Elasticity],
-}
-
-/// The effect of a load at factor 1.
-pub(super) struct LoadOnMesh {
-    pub forces: NodalForces,
-    /// The stress-free strain, for a thermal load.
-    pub free_strain: Option<FreeStrain>,
-}
 
 /// The thermal strain, equal along all axes.
 #[derive(Debug, Clone)]
@@ -52,168 +33,108 @@ fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vect
     })
 }
 
-impl LoadedBody<'_> {
-    /// Computes the effect of load `k`.
-    pub(super) fn load(&self, k: usize) -> Result<LoadOnMesh, InputError> {
-        let LoadedBody { description, mesh, dofs, couplings, element, volumes, materials } = *self;
-        let key = format!("load[{k}]");
-        let at = |name: &str| format!("{key}.{name}");
-        let boundary = |name: &str| find(mesh, name, &key);
-        let thin = description.material.plane == Some(Plane::Stress);
-        let mut free_strain = None;
-        let forces = match &description.loads[k].action {
-            Action::Traction { boundary: name, traction } => {
-                tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
-            }
-            Action::Pressure { boundary: name, pressure } => {
-                let forces = traction_of(mesh, boundary(name)?, |x, area| area.map(|a| -pressure.at(x) * a));
-                defined(forces, &at("pressure"), "pressure")?
-            }
-            Action::Force { at: place, force } => {
-                let force = in_space(mesh, force, &at("force"))?;
-                if mesh.geometry == Geometry::Axisymmetric && force[0] != 0.0 && matches!(place, Where::Coupling(_)) {
-                    let message =
-                        "the force has a component along x, but a body of revolution moves along its axis only";
-                    return Err(InputError::new(at("force"), message, "give [0, y]"));
-                }
-                match place {
-                    Where::Point(point) => {
-                        vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
-                    }
-                    Where::Boundary(name) => {
-                        let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
-                        uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
-                    }
-                    Where::Coupling(name) => couplings.forces(dofs, name, [force, [0.0; 3]], &key)?,
-                }
-            }
-            Action::Moment { coupling, moment } => {
-                let moment = about_axes(mesh, moment, &at("moment"))?;
-                couplings.forces(dofs, coupling, [[0.0; 3], moment], &key)?
-            }
-            Action::Acceleration(acceleration) => {
-                let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
-                if mesh.geometry == Geometry::Axisymmetric && acceleration[0] != 0.0 {
-                    let message =
-                        "acceleration has a component along x, which leads away from the axis on all sides at once";
-                    let help =
-                        "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
-                    return Err(InputError::new(at("acceleration"), message, help));
-                }
-                let density = description.material.densities(mesh)?;
-                body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
-            }
-            Action::Spin { axis: given, through, speed } => {
-                let through = point_of_axis(mesh, *through, &at("rotation"))?;
-                suits(mesh, through, &at("rotation.through"))?;
-                let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
-                let along = given.map_or(own, |axis| unit(axis.components()));
-                if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
-                    let message = match mesh.geometry {
-                        Geometry::Cartesian => {
-                            "the axis of the rotation leaves the plane of the body, which has two dimensions"
-                        }
-                        Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
-                    };
-                    return Err(InputError::new(at("rotation.axis"), message, "leave it out"));
-                }
-                if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
-                    let message = "the axis of the rotation does not go through that of the body, x = 0";
-                    return Err(InputError::new(
-                        at("rotation.through"),
-                        message,
-                        "give a point of the axis, such as [0, 0]",
-                    ));
-                }
-                let density = description.material.densities(mesh)?;
-                let through = through.components();
-                body_force(mesh, |e, x| {
-                    let arm = minus(x, through);
-                    let up = dot(arm, along);
-                    minus(arm, along.map(|c| up * c)).map(|r| density[e] * speed * speed * r)
-                })
-            }
-            Action::Temperature(temperature) => {
-                let expansion = description.material.expansions(mesh, |_| false)?;
-                let warm: Vec<AtomicBool> = mesh.cells.iter().map(|_| AtomicBool::new(false)).collect();
-                let strain = |e: usize, x: [f64; 3]| {
-                    let temperature = temperature.at(x);
-                    warm[e].fetch_or(temperature != 0.0, Relaxed);
-                    expansion[e] * temperature
-                };
-                let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
-                let of_volumes = volumes.means(mesh, strain);
-                // If dilatations are averaged, thermal strains must be averaged as well; their difference would cause a
-                // pressure.
-                let forces = if volumes.is_empty() {
-                    thermal_forces(mesh, element, thin, |e| materials[e], strain)
-                } else {
-                    volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
-                };
-                description.material.expansions(mesh, |e| warm[e].load(Relaxed))?;
-                free_strain = Some(FreeStrain { of_cells, of_volumes });
-                defined(forces, &at("temperature"), "temperature")?
-            }
-        };
-        Ok(LoadOnMesh { forces, free_strain })
-    }
-}
-
-/// Returns the `boundary`, which is called `name` at `key`, if it has an area; the axis of a body of revolution has
-/// none.
-fn with_area<'a>(
-    mesh: &Mesh,
-    name: &str,
-    key: &str,
-    boundary: &'a Boundary,
-    what: &str,
-) -> Result<&'a Boundary, InputError> {
-    if area(mesh, boundary) > 0.0 {
-        return Ok(boundary);
-    }
-    let message = format!("`{name}` is the axis of the body, which has no area for {what}");
-    Err(InputError::new(key, message, "name another boundary, or a point"))
-}
-
-/// Creates the springs of each bed of `description`.
-pub(super) fn springs(
+/// Computes the effect of load `k` at factor 1: the forces and, for a thermal load, the stress-free strain.
+pub(super) fn load(
     description: &Description,
-    mesh: &Mesh,
-    couplings: &Couplings,
-    dofs: &Dofs,
-) -> Result<Vec<Vec<Spring>>, InputError> {
-    let units = description.system(mesh.dimension);
-    let bedded = |name: &str, key: &str| {
-        with_area(mesh, name, &format!("{key}.boundary"), find(mesh, name, key)?, "a foundation")
-    };
-    let of_bed = |(k, bed): (usize, &Bed)| {
-        let key = format!("spring[{k}]");
-        match bed {
-            Bed::Axes { at, stiffness } => {
-                let stiffness = in_space(mesh, stiffness, &format!("{key}.stiffness"))?;
-                match at {
-                    Where::Point(point) => Ok(vec![Spring::at_node(node(mesh, *point, &units, &key)?, stiffness)]),
-                    Where::Boundary(name) => {
-                        Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
-                    }
-                    Where::Coupling(name) => {
-                        let (_, [translation, _]) = couplings.rigid(name, "the spring", &key)?;
-                        Ok(vec![Spring::at_node(translation, stiffness)])
-                    }
+    discrete: &Discrete,
+    k: usize,
+) -> Result<(NodalForces, Option<FreeStrain>), InputError> {
+    let Discrete { mesh, dofs, couplings, element, volumes, materials, .. } = discrete;
+    let key = format!("load[{k}]");
+    let at = |name: &str| format!("{key}.{name}");
+    let boundary = |name: &str| find(mesh, name, &key);
+    let thin = description.material.plane == Some(Plane::Stress);
+    let mut free_strain = None;
+    let forces = match &description.loads[k].action {
+        Action::Traction { boundary: name, traction } => {
+            tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
+        }
+        Action::Pressure { boundary: name, pressure } => {
+            let forces = traction_of(mesh, boundary(name)?, |x, area| area.map(|a| -pressure.at(x) * a));
+            defined(forces, &at("pressure"), "pressure")?
+        }
+        Action::Force { at: place, force } => {
+            let force = in_space(mesh, force, &at("force"))?;
+            if mesh.geometry == Geometry::Axisymmetric && force[0] != 0.0 && matches!(place, Where::Coupling(_)) {
+                let message = "the force has a component along x, but a body of revolution moves along its axis only";
+                return Err(InputError::new(at("force"), message, "give [0, y]"));
+            }
+            match place {
+                Where::Point(point) => {
+                    vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
                 }
-            }
-            Bed::Rotational { coupling, rotational } => {
-                let about = about_axes(mesh, rotational, &format!("{key}.rotational"))?;
-                let (point, [_, rotation]) = couplings.rigid(coupling, "the spring", &key)?;
-                Ok(vec![Spring::at_node(rotation, dofs.of_rotational(point, about))])
-            }
-            Bed::Surface { boundary, normal, tangential } => {
-                let bedding = Bedding::Surface { normal: *normal, tangential: *tangential };
-                Ok(Spring::foundation(mesh, bedded(boundary, &key)?, bedding))
+                Where::Boundary(name) => {
+                    let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
+                    uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
+                }
+                Where::Coupling(name) => couplings.forces(dofs, name, [force, [0.0; 3]], &key)?,
             }
         }
+        Action::Moment { coupling, moment } => {
+            let moment = about_axes(mesh, moment, &at("moment"))?;
+            couplings.forces(dofs, coupling, [[0.0; 3], moment], &key)?
+        }
+        Action::Acceleration(acceleration) => {
+            let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
+            if mesh.geometry == Geometry::Axisymmetric && acceleration[0] != 0.0 {
+                let message =
+                    "acceleration has a component along x, which leads away from the axis on all sides at once";
+                let help = "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
+                return Err(InputError::new(at("acceleration"), message, help));
+            }
+            let density = description.material.densities(mesh)?;
+            body_force(mesh, |e, _| acceleration.map(|a| density[e] * a))
+        }
+        Action::Spin { axis: given, through, speed } => {
+            let through = point_of_axis(mesh, *through, &at("rotation"))?;
+            suits(mesh, through, &at("rotation.through"))?;
+            let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
+            let along = given.map_or(own, |axis| unit(axis.components()));
+            if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
+                let message = match mesh.geometry {
+                    Geometry::Cartesian => {
+                        "the axis of the rotation leaves the plane of the body, which has two dimensions"
+                    }
+                    Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
+                };
+                return Err(InputError::new(at("rotation.axis"), message, "leave it out"));
+            }
+            if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
+                let message = "the axis of the rotation does not go through that of the body, x = 0";
+                let help = "give a point of the axis, such as [0, 0]";
+                return Err(InputError::new(at("rotation.through"), message, help));
+            }
+            let density = description.material.densities(mesh)?;
+            let through = through.components();
+            body_force(mesh, |e, x| {
+                let arm = minus(x, through);
+                let up = dot(arm, along);
+                minus(arm, along.map(|c| up * c)).map(|r| density[e] * speed * speed * r)
+            })
+        }
+        Action::Temperature(temperature) => {
+            let expansion = description.material.expansions(mesh, |_| false)?;
+            let warm: Vec<AtomicBool> = mesh.cells.iter().map(|_| AtomicBool::new(false)).collect();
+            let strain = |e: usize, x: [f64; 3]| {
+                let temperature = temperature.at(x);
+                warm[e].fetch_or(temperature != 0.0, Relaxed);
+                expansion[e] * temperature
+            };
+            let of_cells: Vec<f64> = (0..mesh.cells.len()).map(|e| strain(e, mesh.centre(e))).collect();
+            let of_volumes = volumes.means(mesh, strain);
+            // If dilatations are averaged, thermal strains must be averaged as well; their difference would cause a
+            // pressure.
+            let forces = if volumes.is_empty() {
+                thermal_forces(mesh, *element, thin, |e| materials[e], strain)
+            } else {
+                volumes.forces(&of_volumes.iter().map(|strain| 3.0 * strain).collect::<Vec<_>>())
+            };
+            description.material.expansions(mesh, |e| warm[e].load(Relaxed))?;
+            free_strain = Some(FreeStrain { of_cells, of_volumes });
+            defined(forces, &at("temperature"), "temperature")?
+        }
     };
-    description.springs.iter().enumerate().map(of_bed).collect()
+    Ok((forces, free_strain))
 }
 
 /// Computes the forces of a traction on `boundary`, which is called `name`.
@@ -246,10 +167,4 @@ fn defined(forces: NodalForces, key: &str, what: &str) -> Result<NodalForces, In
     }
     let message = format!("the {what} is not a finite number everywhere");
     Err(InputError::new(key, message, "give a formula that has a value wherever the load acts"))
-}
-
-/// Extends components to three dimensions.
-fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
-    of_dimension(mesh, key, components.len())?;
-    Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
 }

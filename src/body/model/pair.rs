@@ -2,18 +2,18 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::carried;
 use super::coupling::Couplings;
 use super::find;
-use super::holding::Holding;
+use super::holding::{self, Holding};
 use super::joint::{self, Joints};
-use crate::algebra::vector::{Vector, across, axis, dot, minus, norm, plus, unit};
+use crate::algebra::vector::{across, axis, dot, minus, norm, plus, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::constraints::{Apart, Bonds, Dofs, Relative, SAME_DIRECTION, Tie};
 use crate::body::contact::{
-    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, relative,
+    ContactNode, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, Supports, coupled_nodes, outsides,
+    relative,
 };
 use crate::body::description::{Description, Opposite, Slave};
 use crate::body::fem::Elasticity;
@@ -77,7 +77,7 @@ impl Pairs {
         materials: &[Elasticity],
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
-        let carried = carried::relations(couplings, description, mesh, dofs, holdings)?;
+        let carried = holding::relations(couplings, description, mesh, dofs, holdings)?;
         let in_pairs = |glued: bool| {
             let contacts = description.contacts.iter().enumerate();
             contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
@@ -356,8 +356,9 @@ fn pair(
     let direction = opposite.direction.map(|direction| unit(direction.components()));
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
-        let message = told(&fault, &units).unwrap_or_else(|| fault.to_string());
-        InputError::new(format!("{key}.{}", key_of(&fault)), message, fault.help())
+        let length = |x: f64| units.rounded(Quantity::Length, x, 4);
+        let message = fault.told(length, |at| units.place(at.components()));
+        InputError::new(format!("{key}.{}", fault.key()), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
     if opposite.slave == Slave::Automatic && opposite.boundaries.len() > 1 {
@@ -368,9 +369,8 @@ fn pair(
     let (mut mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
         let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
-        let sides = [first, second];
         let (mortar, choice) =
-            Mortar::of_better_slave(mesh, sides, young, taken, &options, supports).map_err(refused)?;
+            Mortar::of_better_slave(mesh, [first, second], young, taken, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
@@ -420,40 +420,28 @@ fn pair(
             return Err(InputError::new(format!("{key}.{place}"), message, help));
         }
     }
-    let edges = edges(mesh, master, &mortar.rows);
-    let slopes = opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows));
-    let (slave, master) = (slave.name.clone(), master.clone());
-    let relative = BTreeMap::new();
     let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
-    let jumps = moved.is_some() || tightened;
     Ok(Pair {
         contact: k,
-        slave,
-        master,
+        slave: slave.name.clone(),
+        master: master.clone(),
         choice,
         glued: opposite.glued,
         gap: opposite.gap.clone(),
         shifted: moved.is_some(),
-        jumps,
+        jumps: moved.is_some() || tightened,
+        slopes: opposite.direction.map_or_else(BTreeMap::new, |_| slopes(mesh, slave, &mortar.rows)),
+        edges: edges(mesh, master, &mortar.rows),
         mortar,
         gaps,
-        slopes,
-        edges,
-        relative,
+        relative: BTreeMap::new(),
     })
 }
 
 /// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the
 /// angle.
 fn slopes(mesh: &Mesh, slave: &Boundary, rows: &[MortarRow]) -> BTreeMap<usize, f64> {
-    let mut normals: BTreeMap<usize, [f64; 3]> = BTreeMap::new();
-    for facet in &slave.facets {
-        let area = mesh.area_vector(facet);
-        for node in facet {
-            let sum = normals.entry(*node).or_default();
-            *sum = plus(*sum, 1.0, area);
-        }
-    }
+    let normals = outsides(mesh, slave);
     let of_row = |row: &MortarRow| {
         let normal = normals.get(&row.node).copied().unwrap_or(row.normal);
         let along = dot(normal, row.normal);
@@ -489,48 +477,6 @@ fn young(mesh: &Mesh, boundary: &Boundary, materials: &[Elasticity]) -> f64 {
         mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu)
     };
     (0..mesh.cells.len()).filter(at_boundary).map(young).fold(f64::INFINITY, f64::min)
-}
-
-/// Returns the key that `fault` concerns.
-fn key_of(fault: &MortarFault) -> &'static str {
-    match fault {
-        MortarFault::NothingInFront { .. } | MortarFault::TwoLayers { .. } => "search",
-        MortarFault::Inwards { .. } => "direction",
-        MortarFault::NotConvex { .. }
-        | MortarFault::TooBent { .. }
-        | MortarFault::SlaveHeld { .. }
-        | MortarFault::NormalsCancel { .. } => "against",
-    }
-}
-
-/// Returns the message of a fault with lengths, in `units`.
-fn told(fault: &MortarFault, units: &UnitSystem) -> Option<String> {
-    let place = |at: &Vector| units.place(at.components());
-    let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-    Some(match fault {
-        MortarFault::NothingInFront { slave, master, search, least, at } => format!(
-            "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",
-            length(*search),
-            length(*least),
-            place(at)
-        ),
-        MortarFault::TwoLayers { slave, master, at } => {
-            format!("two layers of `{master}` are in front of the facet of `{slave}` at {}", place(at))
-        }
-        MortarFault::NotConvex { boundary, at } => {
-            format!("the quadrilateral of `{boundary}` at {} is not convex", place(at))
-        }
-        MortarFault::TooBent { boundary, at } => {
-            format!("the facet of `{boundary}` at {} is bent too much, seen along the normal of the slave", place(at))
-        }
-        MortarFault::NormalsCancel { boundary, at } => {
-            format!("the normals of the facets of `{boundary}` around {} cancel", place(at))
-        }
-        MortarFault::Inwards { slave, at } => {
-            format!("the direction points into the body at {} of `{slave}`", place(at))
-        }
-        MortarFault::SlaveHeld { .. } => return None,
-    })
 }
 
 /// Returns the thickness along `normal` of the body of `boundary`, m.

@@ -5,7 +5,7 @@ use crate::algebra::vector::{Vector, minus, norm, unit};
 use crate::base::input_error::InputError;
 use crate::base::units::UnitSystem;
 use crate::body::description::Where;
-use crate::body::fem::facet_normals;
+use crate::body::fem::{area, facet_normals};
 use crate::body::mesh::{Boundary, Mesh};
 
 /// The tolerance of coordinates that name a node, as a share of the size of the body; coordinates are given with a few
@@ -53,11 +53,8 @@ fn only(
     };
     let names = [node, other].map(|node| bodies.told(of[node]));
     let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
-    Err(InputError::new(
-        format!("{key}.point"),
-        message,
-        "name a boundary in place of the point: those are of one body",
-    ))
+    let help = "name a boundary in place of the point: those are of one body";
+    Err(InputError::new(format!("{key}.point"), message, help))
 }
 
 /// Fails unless a vector has as many components as the body has dimensions.
@@ -87,4 +84,26 @@ pub(super) fn normals(mesh: &Mesh, boundary: &Boundary) -> Vec<Option<[f64; 3]>>
     }
     // + 0.0 turns -0 into 0.
     sums.into_iter().map(|sum| (sum != [0.0; 3]).then(|| unit(sum).map(|c| c + 0.0))).collect()
+}
+
+/// Returns the `boundary`, which is called `name` at `key`, if it has an area; the axis of a body of revolution has
+/// none.
+pub(super) fn with_area<'a>(
+    mesh: &Mesh,
+    name: &str,
+    key: &str,
+    boundary: &'a Boundary,
+    what: &str,
+) -> Result<&'a Boundary, InputError> {
+    if area(mesh, boundary) > 0.0 {
+        return Ok(boundary);
+    }
+    let message = format!("`{name}` is the axis of the body, which has no area for {what}");
+    Err(InputError::new(key, message, "name another boundary, or a point"))
+}
+
+/// Extends components to three dimensions.
+pub(super) fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
+    of_dimension(mesh, key, components.len())?;
+    Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
 }

@@ -1,7 +1,15 @@
-//! Check that a state stays within the range of the linearised gaps.
+//! Checks of a state: the range of the linearised gaps, missing friction, bodies that pass through each other.
+//!
+//! Gaps and normals are those of the undeformed body. The error is checked afterwards: the exact distance of the
+//! deformed node from the moved obstacle, along the node's normal, is compared with the linearised distance.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::body::contact::{DeformedNode, RangeLeft, range_left};
+use crate::algebra::vector::{dot, norm};
+use crate::body::contact::{ContactBoundary, ObstacleMotion, Passed, PlacedObstacle};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
@@ -52,4 +60,134 @@ impl Model {
         let (obstacle, motion) = &self.obstacles[k];
         motion.slope(obstacle, t, contact.position, &facing)
     }
+
+    /// Returns the largest share of missing friction of the contact boundaries, with the number of the boundary.
+    ///
+    /// The share is that of the possible friction at nodes that supports hold along a direction in which the opposite
+    /// side moves past them, and at those to which a method gives none; `mu` are the friction coefficients of the nodes.
+    pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
+        let own = if self.loading.friction().is_none() { self.problem.mu() } else { mu };
+        let lacks = |i: &usize| self.passed_by[*i] || mu[*i] < own[*i];
+        if !(0..mu.len()).any(|i| lacks(&i)) {
+            return None;
+        }
+        let share = |(k, boundary): (usize, &ContactBoundary)| {
+            let friction = |i: &usize| own[*i] * state.p_n[*i];
+            let all: f64 = boundary.nodes.iter().map(friction).sum();
+            let lost: f64 = boundary.nodes.iter().filter(|i| lacks(i)).map(friction).sum();
+            (k, if all > 0.0 { lost / all } else { 0.0 })
+        };
+        self.contact_boundaries.iter().enumerate().map(share).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// Returns the place where a body has entered another, or a boundary the one in front of it, without a contact row,
+    /// for the displacements `u` (m).
+    pub fn passed(&self, u: &[[f64; 3]]) -> Option<Passed> {
+        self.passages.as_ref()?.deepest(&self.mesh, u)
+    }
+
+    /// Returns the slope of the slave of a pair at contact node `i` relative to the given direction; NaN if none is
+    /// given.
+    fn slope_in_pair(&self, i: usize) -> f64 {
+        let contact = &self.contacts[i];
+        let slope = contact.coupled().and_then(|coupled| self.pairs[coupled.pair].slopes.get(&contact.node));
+        slope.copied().unwrap_or(f64::NAN)
+    }
+
+    /// Returns the tractions (Pa) of the masters of all pairs on their slaves, as pairs of a node and a vector.
+    pub fn master_tractions(&self, state: &State) -> Vec<(usize, [f64; 3])> {
+        let mut all = Vec::new();
+        for (k, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {
+            let own = (0..self.contacts.len()).filter(|&i| self.contacts[i].coupled().is_some_and(|own| own.pair == k));
+            let forces: BTreeMap<usize, [f64; 3]> =
+                own.map(|i| (self.contacts[i].node, self.contact_force(state, i))).collect();
+            let of_rows = pair.mortar.rows.iter().map(|row| forces.get(&row.node).copied().unwrap_or_default());
+            all.extend(pair.mortar.on_master(&self.mesh, &of_rows.collect::<Vec<_>>()));
+        }
+        all
+    }
+}
+
+/// The largest tolerated error of the linearisation, as a share of the indentation. Since pressures follow from the
+/// indentation, about this share of a pressure is then wrong, which is more than the usual error of a mesh.
+pub const TOLERATED_SHARE: f64 = 0.1;
+
+/// The error of a distance of 0 in a solution, as a share of the largest displacement: the usual bound of the error
+/// measure.
+const SOLVED: f64 = 1e-10;
+
+/// The rounding error of a distance, as a share of the coordinates that are subtracted: a few units in the last place.
+const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
+
+/// A contact node whose linearised distance from the obstacle is wrong.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct RangeLeft {
+    /// The number of the node in the mesh, from 0.
+    pub node: usize,
+    /// The position of the node, m.
+    pub position: [f64; 3],
+    /// The time, s.
+    pub time: f64,
+    /// The linearised distance of the node from the obstacle, as computed, m.
+    pub linearised: f64,
+    /// The distance of the node along the normal without linearisation, m; null if the obstacle is no longer in front
+    /// of it.
+    pub exact: f64,
+    /// The difference of the two distances divided by the largest indentation.
+    pub share: f64,
+}
+
+/// A contact node in its deformed state.
+#[derive(Debug, Clone, Copy)]
+pub struct DeformedNode {
+    /// The number of the node in the mesh.
+    pub node: usize,
+    /// The position of the node before the deformation, m.
+    pub position: [f64; 3],
+    /// The displacement of the node, m.
+    pub displacement: [f64; 3],
+    /// The normal along which the gap is measured.
+    pub normal: [f64; 3],
+    /// The gap of the node at this time, m.
+    pub gap: f64,
+    /// `true` if the node is in contact.
+    pub closed: bool,
+}
+
+/// Returns the node of `nodes`, in front of `obstacle` at time `t` (s), with the largest error of the linearised
+/// distance, if the error exceeds `TOLERATED_SHARE` of the indentation.
+///
+/// The indentation is the larger of `indentation` (m), a lower bound known beforehand, and the largest normal
+/// displacement of a closed node; if no node is closed, the largest displacement. An open node counts only if it is
+/// inside the obstacle by its exact distance. Differences within rounding and the tolerance of a solution are ignored:
+/// on a plane that touches from the start, nothing is indented.
+pub fn range_left(
+    obstacle: &PlacedObstacle,
+    motion: &ObstacleMotion,
+    t: f64,
+    indentation: f64,
+    nodes: &[DeformedNode],
+) -> Option<RangeLeft> {
+    let normal_displacement = |node: &DeformedNode| dot(node.normal, node.displacement);
+    let largest = nodes.iter().fold(0.0_f64, |m, node| m.max(norm(node.displacement)));
+    let closed = nodes.iter().filter(|node| node.closed).map(|node| normal_displacement(node).abs());
+    let indentation = indentation.max(closed.reduce(f64::max).unwrap_or(largest));
+    let mut worst: Option<RangeLeft> = None;
+    for node in nodes {
+        let DeformedNode { position, displacement, normal, .. } = *node;
+        let moved = [0, 1, 2].map(|c| position[c] + displacement[c]);
+        let (x, n) = motion.back(t, moved, normal);
+        let exact = obstacle.distance(x, n, position);
+        let linearised = node.gap - normal_displacement(node);
+        let missed = if node.closed { (exact - linearised).abs() } else { (-exact).max(0.0) };
+        let share = missed / indentation;
+        let noise = SOLVED * largest + DISTANCE_ROUNDING * (norm(position) + norm(x));
+        // A closed node that no longer has the obstacle in front of it is the worst case.
+        let left = missed > noise && share > TOLERATED_SHARE || node.closed && exact.is_nan();
+        if left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {
+            worst = Some(RangeLeft { node: node.node, position, time: t, linearised, exact, share });
+        }
+    }
+    worst
 }

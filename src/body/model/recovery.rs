@@ -28,13 +28,23 @@ pub(super) fn beside_the_end(
     contacts: &[ContactNode],
     boundaries: &[ContactBoundary],
 ) -> BTreeMap<usize, Vec<usize>> {
-    let is_beyond = |i: &usize| contacts[*i].coupled().is_some_and(|coupled| coupled.beyond_the_end);
+    let is_beyond = |i: usize| contacts[i].coupled().is_some_and(|coupled| coupled.beyond_the_end);
+    beside(mesh, contacts, boundaries, is_beyond)
+}
+
+/// Returns the `wanted` contact nodes, each with the contact nodes of its facets including itself.
+pub(super) fn beside(
+    mesh: &Mesh,
+    contacts: &[ContactNode],
+    boundaries: &[ContactBoundary],
+    wanted: impl Fn(usize) -> bool,
+) -> BTreeMap<usize, Vec<usize>> {
     let mut beside = BTreeMap::<usize, BTreeSet<usize>>::new();
-    for own in boundaries.iter().filter(|own| own.nodes.iter().any(is_beyond)) {
+    for own in boundaries.iter().filter(|own| own.nodes.iter().any(|&i| wanted(i))) {
         let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (contacts[i].node, i)).collect();
-        for facet in mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
+        for facet in mesh.facets_of(&own.name) {
             let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
-            for &i in of_facet.iter().filter(|i| is_beyond(i)) {
+            for &i in of_facet.iter().filter(|i| wanted(**i)) {
                 beside.entry(i).or_default().extend(&of_facet);
             }
         }
@@ -68,7 +78,7 @@ impl Recovery {
         boundaries: &[ContactBoundary],
         pairs: &[Pair],
     ) -> Option<Self> {
-        let facets = |own: &ContactBoundary| mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets);
+        let facets = |own: &ContactBoundary| mesh.facets_of(&own.name);
         if boundaries.iter().flat_map(facets).all(|facet| !mesh.is_quadratic(facet)) {
             return None;
         }

@@ -1,8 +1,14 @@
-//! The motion of a body that slides.
+//! The motion of bodies that slide; rigid ones may slide so far that the moments of their forces are wrong.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
 
 use super::Model;
-use crate::algebra::vector::dot;
+use crate::algebra::vector::{dot, minus, norm, plus, unit};
 use crate::body::constraints::RigidMotion;
+use crate::body::contact::ContactNode;
+use crate::solver::problem::State;
 
 /// A part of a motion along the contact that is smaller than this share of it is rounding, or belongs to a body that is lifted.
 const LEAST: f64 = 0.1;
@@ -62,6 +68,54 @@ impl Model {
         remove(&basis, &mut along);
         (size(&along) >= LEAST * size(weights)).then_some(along)
     }
+
+    /// Returns the rigid body that has moved furthest along its contact, relative to the pressed zone, at time `t` (s) in the
+    /// `state` at that time.
+    pub fn large_motion(&self, t: f64, state: &State) -> Option<LargeMotion> {
+        let free = |k: usize| self.dofs.node(self.dofs.nodes_of_point(k)[1]).iter().any(Option::is_some);
+        let rigid: Vec<_> = self.couplings.each_rigid_body().filter(|(_, k, _)| free(*k)).collect();
+        if rigid.is_empty() {
+            return None;
+        }
+        let all = self.all_displaced(t, &state.u);
+        let of_body = |(coupling, k, nodes): &(usize, usize, Vec<usize>)| {
+            let nodes: BTreeSet<usize> = nodes.iter().copied().collect();
+            let point = all[self.dofs.nodes_of_point(*k)[0]];
+            let own = (0..self.pairs.len())
+                .filter(|&pair| self.pairs[pair].master.facets.first().is_some_and(|facet| nodes.contains(&facet[0])));
+            own.filter_map(|pair| self.moved_along(pair, point, &all, state))
+                .map(|(moved, share)| LargeMotion { coupling: *coupling, moved, share })
+                .max_by(|a, b| a.share.total_cmp(&b.share))
+        };
+        rigid.iter().filter_map(of_body).max_by(|a, b| a.share.total_cmp(&b.share))
+    }
+
+    /// Returns how far a body that moves by `point` (m) has moved along the contact of a pair relative to the slave, m, and
+    /// relative to half the width of the pressed zone.
+    fn moved_along(&self, pair: usize, point: [f64; 3], all: &[[f64; 3]], state: &State) -> Option<(f64, f64)> {
+        let pressed: Vec<usize> = (0..self.contacts.len())
+            .filter(|&i| state.p_n[i] > 0.0 && self.contacts[i].coupled().is_some_and(|own| own.pair == pair))
+            .collect();
+        let total: f64 = pressed.iter().map(|&i| state.p_n[i]).sum();
+        let mean = |of: &dyn Fn(&ContactNode) -> [f64; 3]| {
+            pressed.iter().fold([0.0; 3], |sum, &i| plus(sum, state.p_n[i] / total, of(&self.contacts[i])))
+        };
+        let normal = mean(&|contact| contact.facing.normal);
+        if norm(normal) == 0.0 {
+            return None;
+        }
+        let normal = unit(normal);
+        let along = |x: [f64; 3]| norm(plus(x, -dot(x, normal), normal));
+        let middle = mean(&|contact| contact.position);
+        let moved = along(minus(point, mean(&|contact| all[contact.node])));
+        let width = |&i: &usize| {
+            let contact = &self.contacts[i];
+            let edge = self.pairs[pair].edges.get(&contact.node).copied().filter(|edge| edge.is_finite());
+            along(minus(contact.position, middle)).max(edge.unwrap_or(0.0))
+        };
+        let half = pressed.iter().map(width).fold(0.0, f64::max);
+        (half > 0.0).then_some((moved, moved / half))
+    }
 }
 
 fn size(x: &[f64]) -> f64 {
@@ -74,4 +128,16 @@ fn remove(basis: &[Vec<f64>], x: &mut [f64]) {
         let along: f64 = b.iter().zip(&*x).map(|(b, x)| b * x).sum();
         x.iter_mut().zip(b).for_each(|(x, b)| *x -= along * b);
     }
+}
+
+/// A rigid body that has moved along its contact, and that supports do not hold against rotation. With small displacements
+/// forces act where they were, so that their moment about the contact is off by force times motion.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct LargeMotion {
+    /// The number of the coupling.
+    pub coupling: usize,
+    /// The motion of the reference point along the contact relative to the other side, m.
+    pub moved: f64,
+    /// The motion divided by half the width of the pressed zone, at least by the size of a facet.
+    pub share: f64,
 }

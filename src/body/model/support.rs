@@ -1,13 +1,21 @@
-//! The prescribed displacements of the supports of a description on its mesh.
+//! The prescribed displacements of the supports of a description on its mesh, and the groups of bodies with a common rigid
+//! offset by them.
+//!
+//! A rigid offset causes no strain, and forces of the stiffness that would cancel are left out (`Moved`). Bodies that
+//! are moved by different supports have different offsets. With one offset for all, a stiff body at rest would be
+//! pulled back against the mean by forces far above the actual ones.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use super::carrying::Carrying;
+use super::coupling::Couplings;
+use super::find;
 use super::holding::Holding;
-use crate::algebra::vector::{dot, minus, norm, plus};
+use super::pair::Pairs;
+use crate::algebra::union_find::UnionFind;
+use crate::algebra::vector::{axis, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
-use crate::body::constraints::{Dofs, HeldRows, SAME_DIRECTION, independent, nearest_translation};
+use crate::body::constraints::{Dofs, HeldRows, SAME_DIRECTION, independent};
 use crate::body::contact::{ContactNode, Facing};
 use crate::body::description::{Description, Support};
 use crate::body::fem::{NodalForces, Spring};
@@ -66,7 +74,7 @@ impl Moved {
                     if carrying.turns == Some(group) {
                         return [0.0; 3];
                     }
-                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of(*node) == group);
+                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of_node[*node] == group);
                     nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
                 })
                 .collect();
@@ -74,7 +82,7 @@ impl Moved {
             let mut beyond = vec![[0.0; 3]; dofs.nodes()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
-                let carried = carried[carrying.of(node)];
+                let carried = carried[carrying.of_node[node]];
                 let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
                 let rest = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
@@ -113,7 +121,7 @@ impl Moved {
         if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
             return Vec::new();
         }
-        let carried: Vec<[f64; 3]> = (0..carrying.nodes()).map(|node| self.carried[carrying.of(node)]).collect();
+        let carried: Vec<[f64; 3]> = carrying.of_node.iter().map(|group| self.carried[*group]).collect();
         springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
     }
 
@@ -121,11 +129,10 @@ impl Moved {
     /// tangents. If the body in front of it has another offset, the displacement is relative to that offset.
     pub(super) fn beyond_contact(&self, dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> [f64; 3] {
         let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
-        let own = self.carried[carrying.of(contact.node)];
-        let apart = contact
-            .terms()
-            .filter(|term| term.opposite)
-            .fold([0.0; 3], |sum, term| plus(sum, term.coefficient, minus(self.carried[carrying.of(term.node)], own)));
+        let own = self.carried[carrying.of_node[contact.node]];
+        let apart = contact.terms().filter(|term| term.opposite).fold([0.0; 3], |sum, term| {
+            plus(sum, term.coefficient, minus(self.carried[carrying.of_node[term.node]], own))
+        });
         let along = |direction: fn(&Facing) -> [f64; 3]| {
             let apart = dot(apart, direction(&contact.facing));
             if !relative {
@@ -225,10 +232,124 @@ fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 
     inverse
 }
 
+/// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same
+/// obstacle.
+#[derive(Debug, Clone)]
+pub(super) struct Carrying {
+    /// The group of each node.
+    pub of_node: Vec<usize>,
+    /// The number of groups.
+    pub groups: usize,
+    /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
+    /// nearest group in contact that has supports.
+    pub carrier: Vec<usize>,
+    /// The group of the rotations of reference points and of jumps, if there are any; it has no offset.
+    pub turns: Option<usize>,
+}
+
+impl Carrying {
+    /// Creates the groups of the bodies of `mesh`, where supports hold the nodes of `holdings`.
+    pub(super) fn new(
+        description: &Description,
+        mesh: &Mesh,
+        dofs: &Dofs,
+        (couplings, pairs): (&Couplings, &Pairs),
+        holdings: &[Holding],
+    ) -> Result<Self, InputError> {
+        let bodies = mesh.bodies();
+        let mut together = UnionFind::new(bodies.count());
+        let of = |node: usize| bodies.of_nodes()[dofs.in_mesh(node)];
+        for (.., nodes) in couplings.each_rigid() {
+            let all: BTreeSet<usize> = nodes.into_iter().map(of).collect();
+            all.iter().zip(all.iter().skip(1)).for_each(|(a, b)| together.join(*a, *b));
+        }
+        let mut neighbours: BTreeSet<(usize, usize)> = BTreeSet::new();
+        for (k, contact) in description.contacts.iter().enumerate() {
+            let key = format!("contact[{k}]");
+            let first: BTreeSet<usize> = find(mesh, &contact.boundary, &key)?.nodes().into_iter().map(of).collect();
+            let opposite: BTreeSet<usize> = match pairs.of_contact(k).map(|pair| &pairs.all[pair]) {
+                Some(pair) => {
+                    let both = pair.master.nodes().into_iter().chain(pair.mortar.rows.iter().map(|row| row.node));
+                    let both: BTreeSet<usize> = both.map(of).collect();
+                    if !pair.glued {
+                        neighbours.extend(both.iter().flat_map(|&a| both.iter().map(move |&b| (a, b))));
+                        continue;
+                    }
+                    both
+                }
+                None => BTreeSet::new(),
+            };
+            let all: Vec<usize> = first.union(&opposite).copied().collect();
+            for pair in all.windows(2) {
+                together.join(pair[0], pair[1]);
+            }
+        }
+        let least: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
+        let firsts: Vec<usize> = (0..bodies.count()).filter(|&k| least[k] == k).collect();
+        let group = |body: usize| firsts.binary_search(&least[body]).unwrap_or(0);
+        let held: BTreeSet<usize> = holdings.iter().flatten().map(|(node, ..)| group(of(*node))).collect();
+        let carrier = |from: usize| {
+            let (mut seen, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
+            while let Some(k) = queue.pop_front() {
+                if held.contains(&k) {
+                    return k;
+                }
+                let next = neighbours.iter().filter(|(a, _)| group(*a) == k).map(|(_, b)| group(*b));
+                queue.extend(next.filter(|k| seen.insert(*k)));
+            }
+            from
+        };
+        // A translation does not turn reference points, and both sides of a jump take part in it.
+        let stays = |node: usize| dofs.is_rotation(node) || dofs.is_jump(node);
+        let turns = (mesh.nodes.len()..dofs.nodes()).any(stays).then_some(firsts.len());
+        let carrier = (0..firsts.len()).map(carrier).chain(turns).collect();
+        let group_of = |node: usize| turns.filter(|_| stays(node)).unwrap_or_else(|| group(of(node)));
+        let of_node = (0..dofs.nodes()).map(group_of).collect();
+        Ok(Carrying { of_node, groups: firsts.len() + usize::from(turns.is_some()), carrier, turns })
+    }
+}
+
+/// A translation counts as not prescribed if its effect on the held directions is below this share of the largest
+/// effect.
+const FELT: f64 = 1e-6;
+
+/// Computes the translation (m) nearest in the least-squares sense to displacements prescribed at nodes, pairs of a
+/// unit vector and the displacement (m) along it. The translation is 0 along directions that are not prescribed.
+fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone) -> [f64; 3] {
+    // Gram-Schmidt on the columns of `n · t = value`, twice, recording the combination for each basis vector. The
+    // longest column is first, since a column that is small because a direction is off its axis by rounding contains no
+    // information.
+    let mut columns: Vec<(usize, Vec<f64>)> =
+        (0..3).map(|c| (c, prescribed.clone().map(|(n, _)| n[c]).collect())).collect();
+    columns.sort_by(|(_, a), (_, b)| dot(b, b).total_cmp(&dot(a, a)));
+    let whole = dot(&columns[0].1, &columns[0].1).sqrt();
+    let mut basis: Vec<(Vec<f64>, [f64; 3])> = Vec::new();
+    for (c, mut member) in columns {
+        let mut made_of = axis(c);
+        for (other, of) in basis.iter().chain(&basis) {
+            let along = dot(&member, other);
+            member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+            made_of = minus(made_of, of.map(|x| along * x));
+        }
+        let rest = dot(&member, &member).sqrt();
+        if rest > FELT * whole {
+            basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
+        }
+    }
+    let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();
+    let mut translation = [0.0; 3];
+    for (member, made_of) in basis.iter().chain(&basis) {
+        let along = dot(&left, member);
+        left.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
+        (0..3).for_each(|c| translation[c] += along * made_of[c]);
+    }
+    translation
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::algebra::vector::axis;
+    use crate::algebra::vector::unit;
 
     #[test]
     fn forces_belong_to_whom_they_can() {
@@ -244,5 +365,24 @@ mod tests {
         // Two supports of the same direction have half each.
         let inverse = pseudo_inverse([axis(1), axis(1)].into_iter());
         assert_eq!(product(outer([axis(1)].into_iter()), inverse)[1], [0.0, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn what_moves_as_a_whole_is_seen_to() {
+        let to = [1.0, -2.0, 3e-3];
+        let along = |n: [f64; 3]| (n, dot(n, to));
+        let oblique = unit([1.0, 1.0, 0.0]);
+        let all = [axis(0), axis(1), axis(2), oblique].map(along);
+        let found = nearest_translation(all.into_iter());
+        assert!((0..3).all(|c| (found[c] - to[c]).abs() < 1e-15), "{found:?}");
+        // The motion across is not prescribed.
+        let found = nearest_translation([along(oblique), along(oblique)].into_iter());
+        assert!((dot(found, oblique) - dot(to, oblique)).abs() < 1e-15 && found[2] == 0.0, "{found:?}");
+        assert_eq!(nearest_translation(std::iter::empty()), [0.0; 3]);
+        // A direction turned off its axis by rounding.
+        for off in [1e-25, 6e-17, 1e-10, 1e-7] {
+            let found = nearest_translation([(unit([off, -1.0, 0.0]), 1e-6); 5].into_iter());
+            assert!(norm(found) < 1.1e-6 && (found[1] + 1e-6).abs() < 1e-12, "{off}: {found:?}");
+        }
     }
 }

@@ -14,11 +14,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::Model;
+use super::recovery::beside;
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
 use crate::body::fem::facet_normals;
-use crate::body::mesh::{CellKind, Facet, Geometry};
+use crate::body::mesh::{CellKind, Facet, Geometry, sorted};
 use crate::solver::problem::State;
 
 /// Facets belong to one smooth surface if the cosine between their normals exceeds this: the angle of 40 degrees at which
@@ -129,35 +130,17 @@ impl Surface {
         let sides = Sides { facets: surface, normals, at_node };
         let in_contact: BTreeSet<Facet> = (model.contact_boundaries.iter())
             .filter_map(|own| mesh.boundary(&own.name))
-            .flat_map(|boundary| boundary.facets.iter().map(sorted))
+            .flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet)))
             .collect();
         let loaded = loaded_elsewhere(model);
         let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
         let scatters = mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
-        let patches = scatters.then(|| patches(model));
+        let patches = scatters.then(|| {
+            let beside = beside(mesh, &model.contacts, &model.contact_boundaries, |_| true);
+            (0..model.contacts.len()).map(|i| beside.get(&i).map_or_else(|| vec![i], Vec::clone)).collect()
+        });
         Surface { fits, patches }
     }
-}
-
-/// Returns for each contact node the contact nodes of its sides, itself included.
-fn patches(model: &Model) -> Vec<Vec<usize>> {
-    let mut patches: Vec<BTreeSet<usize>> = (0..model.contacts.len()).map(|i| BTreeSet::from([i])).collect();
-    for own in &model.contact_boundaries {
-        let at_node: BTreeMap<usize, usize> = own.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
-        for facet in model.mesh.boundary(&own.name).map_or(&[][..], |boundary| &boundary.facets) {
-            let of_facet: Vec<usize> = facet.iter().filter_map(|node| at_node.get(node).copied()).collect();
-            for &i in &of_facet {
-                patches[i].extend(&of_facet);
-            }
-        }
-    }
-    patches.into_iter().map(|patch| patch.into_iter().collect()).collect()
-}
-
-fn sorted(facet: &Facet) -> Facet {
-    let mut nodes = facet.clone();
-    nodes.sort_unstable();
-    nodes
 }
 
 /// Returns the facets on which loads, springs or the contact forces of other nodes act.
@@ -175,7 +158,7 @@ fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
     });
     let masters = model.pairs.iter().map(|pair| &pair.master);
     let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name)).chain(masters);
-    boundaries.flat_map(|boundary| boundary.facets.iter().map(sorted)).collect()
+    boundaries.flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet))).collect()
 }
 
 /// The sides of the body at contact nodes.

@@ -1,7 +1,7 @@
 //! Obstacles that contact nodes miss.
 
 use super::prelude::*;
-use crate::body::contact::TOLERATED_SHARE;
+use crate::body::model::TOLERATED_SHARE;
 use crate::body::model::{BetweenNodes, Overlap};
 
 /// The contact node deepest inside an obstacle that it does not meet.

@@ -1,7 +1,7 @@
 //! Contact that leaves the range of the linearised gaps.
 
 use super::prelude::*;
-use crate::body::contact::RangeLeft;
+use crate::body::model::RangeLeft;
 
 /// The largest error of the linearised gaps, if they were out of their range.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -115,7 +115,7 @@ impl EstimateWatch {
     /// Begins with the first increment of `model`.
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
-        let of_surfaces = vec![Heaviest::default(); graph.surfaces().len()];
+        let of_surfaces = vec![Heaviest::default(); graph.surfaces.len()];
         let (heaviest, dragged) = (of_surfaces.clone(), of_surfaces);
         EstimateWatch { graph, heaviest, dragged, ..EstimateWatch::default() }
     }

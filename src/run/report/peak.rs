@@ -107,7 +107,7 @@ impl Peak {
 
     /// Estimates the mesh error of its contact surface at that time.
     pub(super) fn estimate(&self, model: &Model, graph: &ContactGraph) -> Option<ContactEstimate> {
-        let surface = graph.surfaces().iter().position(|surface| surface.nodes.contains(&self.at[1]))?;
+        let surface = graph.surfaces.iter().position(|surface| surface.nodes.contains(&self.at[1]))?;
         ContactEstimate::new(model, graph, surface, self.time, &self.state)
     }
 

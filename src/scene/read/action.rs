@@ -1,9 +1,11 @@
-//! The supports, springs and loads of a scene.
+//! What acts on the bodies of a scene: couplings, supports, pretensions, springs and loads.
 
 use super::{Reader, given, points};
 use crate::algebra::vector::Vector;
 use crate::base::units::Quantity;
-use crate::body::description::{Action, Axis, Bed, Direction, Held, Load, Support, Where};
+use crate::body::description::{
+    Action, Axis, Bed, Coupling, Direction, Held, Load, Part, Pretension, Support, Tightening, Where,
+};
 use crate::scene::SceneError;
 use crate::scene::document::{self, Fix, Segments};
 
@@ -170,4 +172,37 @@ pub(super) fn load(given: document::Load, reader: Reader<'_>) -> Result<Load, Sc
         return reader.fault("", "a load does nothing", help);
     };
     Ok(Load { action, history: history.map(points) })
+}
+
+/// Converts a coupling.
+pub(super) fn coupling(given: document::Coupling, reader: Reader<'_>) -> Result<Coupling, SceneError> {
+    let document::Coupling { name, boundary, body, point, kind } = given;
+    let part = match (boundary, body) {
+        (Some(boundary), None) => Part::Boundary(boundary),
+        (None, Some(body)) => Part::Body(body),
+        (Some(_), Some(_)) => return reader.fault("body", "a coupling has both boundary and body", "keep one of them"),
+        (None, None) => {
+            return reader.fault("boundary", "a coupling needs a boundary or a body", "add one of the keys");
+        }
+    };
+    Ok(Coupling { name, part, point: point.map(|point| reader.point(point)), kind })
+}
+
+/// Converts a pretension.
+pub(super) fn pretension(given: document::Pretension, reader: Reader<'_>) -> Result<Pretension, SceneError> {
+    let document::Pretension { name, boundary, force, shortening, history, lock } = given;
+    let tightening = match (force, shortening) {
+        (Some(force), None) => {
+            let [plane, space] = [2, 3].map(|dimension| reader.in_dimension(dimension, Quantity::Force, force));
+            Tightening::Force { space, plane }
+        }
+        (None, Some(shortening)) => Tightening::Shortening(reader.length(shortening)),
+        (Some(_), Some(_)) => {
+            return reader.fault("shortening", "a pretension has both force and shortening", "keep one of them");
+        }
+        (None, None) => {
+            return reader.fault("force", "a pretension needs a force or a shortening", "add one of the keys");
+        }
+    };
+    Ok(Pretension { name, boundary, tightening, history: history.map(points), lock })
 }

@@ -1,12 +1,14 @@
-//! The covered part of each slave facet: segments in front of master facets, and the integrals over them.
+//! The covered part of each slave facet: segments in front of master facets, the integrals over them, and the biorthogonal
+//! basis there with the contribution of the facet to the rows of its nodes.
 
-use super::GapAt;
+use std::collections::BTreeSet;
+
 use super::bulge::Bulges;
-use super::error::{MortarFault, place};
-use super::facet::{MOST, Plane, Values, position};
-use super::search::{Masters, least_distance};
-use super::segment::{Point, Rules, Segment, Side, segment, size};
-use crate::algebra::vector::dot;
+use super::facet::{MOST, Plane, Point, Rules, Segment, Side, Values, position, segment, size};
+use super::{GapAt, MortarFault, place};
+use crate::algebra::vector::{cross, dot, minus, unit};
+use crate::body::contact::tree::{Bounds, Tree};
+use crate::body::contact::triangles::nearest_of;
 use crate::body::fem::bernstein;
 use crate::body::mesh::{Boundary, Facet, Mesh};
 
@@ -225,4 +227,192 @@ pub(super) fn nothing_in_front(mesh: &Mesh, sides: [&Boundary; 2], search: f64) 
     let (least, at) = least_distance(mesh, sides);
     let [slave, master] = sides.map(|side| side.name.clone());
     MortarFault::NothingInFront { slave, master, search, least, at: place(mesh, at) }
+}
+
+/// A sum counts as rounding if it is at most this share of its terms.
+const CANCELLED_SHARE: f64 = 1e-13;
+
+/// A pivot below this counts as rounding; the diagonal is scaled to 1.
+const SINGULAR: f64 = 1e-15;
+
+/// The contribution of a facet to the row of one of its nodes.
+pub(super) struct FacetShare {
+    pub node: usize,
+    /// `∫ ψ_j dA`, m or m².
+    pub weight: f64,
+    /// `∫ ψ_j Ñ_i dA` for nodes of the facet.
+    pub slave: Vec<(usize, f64)>,
+    /// `∫ ψ_j Ñ_k dA` for nodes of the master, in ascending order; the values add up to the weight.
+    pub master: Vec<(usize, f64)>,
+    /// `∫ ψ_j b dA` with the bulges `b` of both sides, see [`Cover::bulge`], m² or m³.
+    pub bulge: [f64; 2],
+}
+
+/// Computes the contributions of a `facet` to its nodes that are not `lost`. The functions ψ_j are
+///
+/// ```text
+/// ψ = A Ñ,   A = diag(∫ Ñ) (∫ Ñ Ñᵀ)⁻¹:   ∫ ψ_i Ñ_j dA = δ_ij ∫ Ñ_j dA,   Σ ψ_j = 1,
+/// ```
+///
+/// with integrals over the covered part of the facet. The function of a lost node is added in equal parts to the
+/// functions of the nodes that [`takers`] returns. Empty if the cover is too thin to distinguish the functions.
+pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<FacetShare> {
+    let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
+    let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
+    let edges = if gone.is_empty() { Vec::new() } else { mesh.bent_edges(facet) };
+    let gone: Vec<(usize, Vec<usize>)> = gone.into_iter().map(|k| (k, takers(facet, &edges, &kept, k))).collect();
+    let part = |&i: &usize| {
+        let taken = gone.iter().filter(|(_, takers)| takers.contains(&i));
+        let terms =
+            || std::iter::once((i, 1.0)).chain(taken.clone().map(|(k, takers)| (*k, 1.0 / takers.len() as f64)));
+        let weight = terms().map(|(k, share)| share * cover.functions[k]).sum();
+        let slave = terms().map(|(k, share)| (facet[k], share * cover.functions[k]));
+        let bulge = cover.bulge.map(|bulge| {
+            terms().map(|(k, share)| share * dual[k].iter().zip(&bulge).map(|(a, c)| a * c).sum::<f64>()).sum()
+        });
+        let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
+        FacetShare { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight), bulge }
+    };
+    kept.iter().map(part).collect()
+}
+
+/// Returns the nodes of `kept`, by their local numbers, that take the function of the lost node `k` of a facet. On
+/// facets of second order the displacement of a node between corners contains those of the two corners. If both corners
+/// took the function, each would have a displacement relative to the other. Therefore a corner takes it only if no
+/// other end of that edge is kept; if no node qualifies, the kept node with the lowest number takes it.
+fn takers(facet: &[usize], edges: &[[usize; 3]], kept: &[usize], k: usize) -> Vec<usize> {
+    let edge = |node: usize| edges.iter().find(|[_, middle, _]| *middle == node);
+    let Some(&[a, _, b]) = edge(facet[k]) else { return kept.to_vec() };
+    let other_end_is_kept = |i: usize| kept.iter().any(|&j| j != i && [a, b].contains(&facet[j]));
+    let takes = |i: &usize| edge(facet[*i]).is_some() || !other_end_is_kept(*i);
+    let takers: Vec<usize> = kept.iter().copied().filter(takes).collect();
+    if takers.is_empty() { kept.iter().copied().min_by_key(|&i| facet[i]).into_iter().collect() } else { takers }
+}
+
+/// Computes `∫ ψ Ñ_k dA` without rounding errors of zeros; the largest value is set so that the sum equals the weight.
+fn on_master(cover: &Cover, psi: &Values, weight: f64) -> Vec<(usize, f64)> {
+    let integral = |(node, values): &(usize, Values)| {
+        let (sum, size) =
+            psi.iter().zip(values).fold((0.0, 0.0), |(sum, size), (a, c)| (sum + a * c, size + (a * c).abs()));
+        (sum.abs() > CANCELLED_SHARE * size).then_some((*node, sum))
+    };
+    let mut master: Vec<(usize, f64)> = cover.cross.iter().filter_map(integral).collect();
+    let rest = weight - master.iter().map(|(_, value)| value).sum::<f64>();
+    if let Some((_, largest)) = master.iter_mut().max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())) {
+        *largest += rest;
+    }
+    if let [(_, only)] = &mut master[..] {
+        *only = weight;
+    }
+    master
+}
+
+/// Computes A by elimination in the mass matrix with its diagonal scaled to 1, so that a thin cover does not harm the
+/// condition.
+fn dual(cover: &Cover, count: usize) -> Option<[Values; MOST]> {
+    let scale: Values = std::array::from_fn(|i| if i < count { cover.mass[i][i].sqrt().recip() } else { 0.0 });
+    let mut mass: [Values; MOST] =
+        std::array::from_fn(|i| std::array::from_fn(|j| cover.mass[i][j] * scale[i] * scale[j]));
+    let mut inverse: [Values; MOST] = std::array::from_fn(|i| std::array::from_fn(|j| f64::from(u8::from(i == j))));
+    for k in 0..count {
+        let pivot = mass[k][k];
+        if !(SINGULAR..f64::INFINITY).contains(&pivot) {
+            return None;
+        }
+        for matrix in [&mut mass, &mut inverse] {
+            matrix[k] = matrix[k].map(|c| c / pivot);
+        }
+        for i in (0..count).filter(|&i| i != k) {
+            let factor = mass[i][k];
+            for matrix in [&mut mass, &mut inverse] {
+                let row = matrix[k];
+                matrix[i].iter_mut().zip(row).for_each(|(c, r)| *c -= factor * r);
+            }
+        }
+    }
+    Some(std::array::from_fn(|i| std::array::from_fn(|j| cover.functions[i] * scale[i] * inverse[i][j] * scale[j])))
+}
+
+/// Two facets face each other if the cosine of the angle between their normals is below minus this.
+const FACING: f64 = 0.1;
+
+/// The default search distance, as a share of the size of the smaller boundary.
+const SHARE_OF_SIZE: f64 = 0.1;
+
+/// The facets of the master, in a tree.
+struct Masters {
+    bounds: Vec<Bounds>,
+    normals: Vec<[f64; 3]>,
+    tree: Tree,
+}
+
+impl Masters {
+    pub(super) fn new(mesh: &Mesh, master: &Boundary) -> Self {
+        let bounds: Vec<Bounds> = master.facets.iter().map(|facet| Bounds::of(&mesh.points(facet))).collect();
+        let normals = master.facets.iter().map(|facet| unit(mesh.area_vector(facet))).collect();
+        Masters { tree: Tree::new(&bounds), bounds, normals }
+    }
+
+    /// Returns the facets within `search` (m) of a slave facet with nodes at `points` that face its `normal`, in
+    /// ascending order.
+    pub(super) fn facing(&self, points: &[[f64; 3]], normal: [f64; 3], search: f64) -> Vec<usize> {
+        let around = Bounds::of(points).grown(search);
+        let mut facing = Vec::new();
+        self.tree.around(&around, |k| {
+            if self.bounds[k].overlaps(&around) && dot(self.normals[k], normal) < -FACING {
+                facing.push(k);
+            }
+        });
+        facing.sort_unstable();
+        facing
+    }
+}
+
+/// Returns a tenth of the longest side of the bounding box of the smaller boundary, m.
+pub(super) fn default_search(mesh: &Mesh, sides: [&Boundary; 2]) -> f64 {
+    let size = |side: &Boundary| Bounds::of(&mesh.points(&side.facets.concat())).extent();
+    SHARE_OF_SIZE * size(sides[0]).min(size(sides[1]))
+}
+
+/// Fails if a quadrilateral is not convex.
+pub(super) fn convex(mesh: &Mesh, boundary: &Boundary) -> Result<(), MortarFault> {
+    for facet in boundary.facets.iter().filter(|facet| mesh.dimension == 3 && matches!(facet.len(), 4 | 8)) {
+        let corners: Vec<usize> = facet.iter().step_by(facet.len() / 4).copied().collect();
+        let (normal, points) = (mesh.area_vector(facet), mesh.points(&corners));
+        let turns = |k: usize| {
+            let to = |other: usize| minus(points[other % 4], points[k]);
+            dot(cross(to(k + 1), to(k + 3)), normal) > 0.0
+        };
+        if !(0..4).all(turns) {
+            let centre = [0, 1, 2].map(|c| points.iter().map(|x| 0.25 * x[c]).sum());
+            return Err(MortarFault::NotConvex { boundary: boundary.name.clone(), at: place(mesh, centre) });
+        }
+    }
+    Ok(())
+}
+
+/// Returns the least distance (m) from a node of either boundary to the other boundary, and the position of that node.
+fn least_distance(mesh: &Mesh, sides: [&Boundary; 2]) -> (f64, [f64; 3]) {
+    let mut least = (f64::INFINITY, [0.0; 3]);
+    for [from, to] in [sides, [sides[1], sides[0]]] {
+        let fan = |facet: &Vec<usize>| {
+            let x = mesh.points(facet);
+            let corners = move |k: usize| [x[0], x[k], x[(k + 1).min(x.len() - 1)]];
+            (1..facet.len().max(3) - 1).map(corners).collect::<Vec<_>>()
+        };
+        let triangles: Vec<[[f64; 3]; 3]> = to.facets.iter().flat_map(fan).collect();
+        let tree = Tree::new(&triangles.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>());
+        for node in from.nodes() {
+            let x = mesh.nodes[node];
+            tree.near(x, |k| {
+                let away = minus(nearest_of(&triangles[k], x).0, x);
+                let distance = dot(away, away);
+                if distance.sqrt() < least.0 {
+                    least = (distance.sqrt(), x);
+                }
+                distance
+            });
+        }
+    }
+    least
 }

@@ -1,10 +1,12 @@
-//! Normals at the nodes of a boundary, and their projection on the directions that supports leave free.
+//! Normals at the nodes of a boundary, and the directions along which supports hold one side or both.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
-use super::error::{MortarFault, place};
+use super::cover::Cover;
 use super::facet::Kind;
+use super::{MortarFault, place};
 use crate::algebra::vector::{across, cross, dot, minus, norm, unit};
+use crate::body::constraints::SAME_DIRECTION;
 use crate::body::fem::facet_normals;
 use crate::body::mesh::{Boundary, Mesh};
 
@@ -82,11 +84,61 @@ pub(super) fn is_held(normal: [f64; 3], held: &[[f64; 3]]) -> bool {
 
 /// Returns the mean of the slave's normal at a node and the reversed normal `opposite` of the master in front of it, as
 /// a unit vector; `None` if they cancel. Neither side is preferred. On a plane of symmetry the mean has no component
-/// across the plane, along `still`, see [`super::supports::still`].
+/// across the plane, along `still`, see [`still`].
 pub(super) fn common(normal: [f64; 3], opposite: [f64; 3], still: &[[f64; 3]]) -> Option<[f64; 3]> {
     let mean = unit(minus(normal, unit(opposite)));
     let symmetric = |n: [f64; 3], h: &[f64; 3]| if dot(n, h).abs() < ALONG_SYMMETRY { across(n, *h) } else { n };
     let normal = unit(still.iter().fold(mean, symmetric));
     // + 0.0 turns -0 into 0.
     normal.iter().all(|c| c.is_finite()).then(|| normal.map(|c| c + 0.0))
+}
+
+/// The supports of the nodes of two boundaries. A closure that returns the held directions of a node implements it for
+/// supports that do not move.
+pub trait Supports {
+    /// Returns the orthonormal directions along which supports hold a node, like `fem::Dofs::held`.
+    fn held(&self, node: usize) -> Vec<[f64; 3]>;
+
+    /// Returns the directions along which a node needs no row. By default these are the held ones; along those that are `still`,
+    /// neither side can move.
+    fn settled(&self, node: usize, still: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let _ = still;
+        self.held(node)
+    }
+
+    /// Returns `true` if supports prescribe different displacements along the unit vector `n` for two nodes that are
+    /// both held along it.
+    fn move_apart(&self, nodes: [usize; 2], n: [f64; 3]) -> bool {
+        let _ = (nodes, n);
+        false
+    }
+}
+
+impl<F: Fn(usize) -> Vec<[f64; 3]>> Supports for F {
+    fn held(&self, node: usize) -> Vec<[f64; 3]> {
+        self(node)
+    }
+}
+
+/// Returns, for each node of `slave`, the directions along which neither side can move. In such a direction, supports
+/// hold the node and at least one of the master nodes in front of it, with equal displacements. An example is a plane
+/// of symmetry that cuts both bodies. If supports hold only the slave node, the other side can still move past it.
+pub(super) fn still(slave: &Boundary, covers: &[Cover], supports: &dyn Supports) -> BTreeMap<usize, Vec<[f64; 3]>> {
+    let mut fronts = BTreeMap::<usize, BTreeSet<usize>>::new();
+    for (facet, cover) in slave.facets.iter().zip(covers) {
+        for (i, node) in facet.iter().enumerate().filter(|(_, node)| !supports.held(**node).is_empty()) {
+            let in_front = cover.cross.iter().filter(|(_, values)| values[i] != 0.0).map(|(k, _)| *k);
+            fronts.entry(*node).or_default().extend(in_front);
+        }
+    }
+    let of_node = |(node, front): (usize, BTreeSet<usize>)| {
+        let other_is_held = |n: &[f64; 3]| {
+            front.iter().any(|&k| {
+                norm(supports.held(k).into_iter().fold(*n, across)) < SAME_DIRECTION
+                    && !supports.move_apart([node, k], *n)
+            })
+        };
+        (node, supports.held(node).into_iter().filter(other_is_held).collect())
+    };
+    fronts.into_iter().map(of_node).collect()
 }

@@ -5,28 +5,21 @@
 //! universal file formats, datasets 15, 164, 781, 2411, 2412, 2420, 2467 and 2477; for the numbers of nodes and the
 //! older datasets of groups, the files of Salome and Gmsh.
 
-mod elements;
-mod lines;
-
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
+use std::str::FromStr;
 
-use super::raw::{ElementKind, RawMesh, real};
-use super::sides::{Element, add_boundary, no_side, outer, within};
-use super::{MeshFormatError, Place};
+use super::raw::{Element, ElementKind, RawMesh, add_boundary, no_side, outer, real, shortened, within};
+use super::{MeshFormatError, Place, expect};
 use crate::base::input::FileKind;
-use elements::{is_beam, kind_of, order};
-use lines::Lines;
+use crate::body::mesh::CellKind;
 
 /// The largest number of letters of a name; the format has 40, Salome writes more.
 const MAX_LETTERS: usize = 200;
 
 /// Parses `bytes`; messages name the file `name`.
 pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
-    if let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != FileKind::Unv) {
-        let message = format!("it is {}, but a mesh in the format UNV is needed", kind.name());
-        let help = kind.as_mesh().to_string();
-        return Err(MeshFormatError { file: name.to_string(), place: Place::Line(1), message, help });
-    }
+    expect(name, bytes, FileKind::Unv)?;
     let mut lines = Lines::new(name, bytes);
     let mut model = Model::default();
     while let Some(dataset) = lines.dataset()? {
@@ -96,7 +89,7 @@ impl Model {
             if self.nodes.insert(number, self.mesh.nodes.len()).is_some() {
                 return Err(lines.damaged(format!("the node {number} is there twice")));
             }
-            self.first_in.entry(system).or_insert((number, lines.line()));
+            self.first_in.entry(system).or_insert((number, lines.line));
             self.mesh.nodes.push([x, y, z]);
             self.mesh.numbers.push(number);
         }
@@ -279,7 +272,7 @@ impl Model {
         let sets: Vec<&Group> = self.groups.iter().filter(|set| !set.has_elements && !set.nodes.is_empty()).collect();
         let outer = if sets.is_empty() { Vec::new() } else { outer(&self.elements, dimension) };
         // Node sets that repeat one another could otherwise have more sides than the memory holds.
-        let mut left = 1000 + 16 * lines.line();
+        let mut left = 1000 + 16 * lines.line;
         for Group { name, nodes, .. } in sets {
             let sides = within(&self.elements, &outer, nodes);
             if sides.is_empty() {
@@ -295,5 +288,160 @@ impl Model {
             add_boundary(&mut self.mesh, &self.elements, name, &sides);
         }
         Ok(self.mesh)
+    }
+}
+
+/// Returns `true` for rods and beams, which have a record of their own before their nodes.
+fn is_beam(descriptor: usize) -> bool {
+    matches!(descriptor, 11 | 21..=25)
+}
+
+/// Returns the kind of cells of a `descriptor`. The error is the name of an unsupported element.
+fn kind_of(descriptor: usize) -> Result<CellKind, &'static str> {
+    Ok(match descriptor {
+        41 | 51 | 61 | 74 | 81 | 91 => CellKind::Triangle,
+        42 | 52 | 62 | 72 | 82 | 92 => CellKind::Triangle6,
+        44 | 54 | 64 | 71 | 84 | 94 => CellKind::Quadrilateral,
+        45 | 55 | 65 | 75 | 85 | 95 => CellKind::Quadrilateral8,
+        111 => CellKind::Tetrahedron,
+        112 => CellKind::Prism,
+        115 => CellKind::Hexahedron,
+        113 => CellKind::Prism15,
+        116 => CellKind::Hexahedron20,
+        118 => CellKind::Tetrahedron10,
+        114 => return Err("pyramid of second order, or prism of third order"),
+        43 | 46 | 53 | 56 | 63 | 66 | 73 | 76 | 93 | 96 | 117 => return Err("third order"),
+        31 | 32 => return Err("pipe"),
+        101..=106 => return Err("thick shell"),
+        121 | 122 => return Err("rigid element"),
+        136..=142 => return Err("spring or damper"),
+        151..=152 => return Err("gap"),
+        161 => return Err("mass"),
+        _ => return Err("unknown"),
+    })
+}
+
+/// Returns the place in the file of each node of a cell in the order of [`CellKind`]. Nodes at the middles of edges come
+/// between the corners.
+fn order(kind: CellKind) -> Vec<usize> {
+    match kind {
+        CellKind::Triangle6 => vec![0, 2, 4, 1, 3, 5],
+        CellKind::Quadrilateral8 => vec![0, 2, 4, 6, 1, 3, 5, 7],
+        CellKind::Prism15 => vec![0, 2, 4, 9, 11, 13, 1, 3, 5, 10, 12, 14, 6, 7, 8],
+        CellKind::Hexahedron20 => vec![0, 2, 4, 6, 12, 14, 16, 18, 1, 3, 5, 7, 13, 15, 17, 19, 8, 9, 10, 11],
+        CellKind::Tetrahedron10 => vec![0, 2, 4, 9, 1, 3, 5, 6, 7, 8],
+        _ => (0..kind.nodes()).collect(),
+    }
+}
+
+const AGAIN: &str = "export the mesh again as UNV";
+const CUT: &str = "the file is cut off: export or copy it again";
+
+/// The line before and after each dataset.
+const DELIMITER: &str = "-1";
+
+/// A reader of the lines of a file from its beginning to its end.
+struct Lines<'a> {
+    file: &'a str,
+    rest: &'a [u8],
+    /// The number of the last line read, from 1.
+    line: usize,
+    /// The number of the dataset that is read.
+    dataset: String,
+}
+
+impl<'a> Lines<'a> {
+    fn new(file: &'a str, bytes: &'a [u8]) -> Self {
+        Lines { file, rest: bytes, line: 0, dataset: String::new() }
+    }
+
+    /// Returns the next line without its end.
+    fn next(&mut self) -> Option<Cow<'a, str>> {
+        if self.rest.is_empty() {
+            return None;
+        }
+        let length = self.rest.iter().position(|&byte| byte == b'\n').map_or(self.rest.len(), |end| end + 1);
+        let (line, rest) = self.rest.split_at(length);
+        self.rest = rest;
+        self.line += 1;
+        Some(String::from_utf8_lossy(line.trim_ascii_end()))
+    }
+
+    fn next_filled(&mut self) -> Option<Cow<'a, str>> {
+        std::iter::from_fn(|| self.next()).find(|line| !line.trim().is_empty())
+    }
+
+    /// Goes to the next dataset and returns its number; `None` at the end of the file.
+    fn dataset(&mut self) -> Result<Option<String>, MeshFormatError> {
+        let Some(line) = self.next_filled() else { return Ok(None) };
+        if line.trim() != DELIMITER {
+            let line = shortened(&line);
+            return Err(self.damaged(format!("a dataset, which begins with -1, was expected, but there is `{line}`")));
+        }
+        let Some(line) = self.next_filled() else {
+            return Err(self.error("the file ends before the number of a dataset", CUT));
+        };
+        // 58b and others have binary data, which a header describes.
+        let number = line.split_whitespace().next().unwrap_or_default();
+        if !number.trim_end_matches('b').bytes().all(|digit| digit.is_ascii_digit()) {
+            let message = format!("the number of a dataset was expected, but there is `{}`", shortened(&line));
+            return Err(self.damaged(message));
+        }
+        self.dataset = number.to_string();
+        Ok(Some(self.dataset.clone()))
+    }
+
+    /// Returns the next line of the dataset that is not empty; `None` at its end.
+    fn record(&mut self) -> Result<Option<Cow<'a, str>>, MeshFormatError> {
+        match self.next_filled() {
+            None => Err(self.ends()),
+            Some(line) if line.trim() == DELIMITER => Ok(None),
+            Some(line) => Ok(Some(line)),
+        }
+    }
+
+    /// Returns the next line of a record that has begun, where `what` is expected.
+    fn more(&mut self, what: &str) -> Result<Cow<'a, str>, MeshFormatError> {
+        self.record()?.ok_or_else(|| self.malformed(what))
+    }
+
+    /// Returns the next line, which may be empty, as a name.
+    fn name(&mut self) -> Result<String, MeshFormatError> {
+        self.next().map(|line| line.trim().to_string()).ok_or_else(|| self.ends())
+    }
+
+    /// Reads the numbers of a line, where `what` is expected.
+    fn numbers<T: FromStr>(&self, line: &str, what: &str) -> Result<Vec<T>, MeshFormatError> {
+        line.split_whitespace().map(|word| word.parse().map_err(|_| self.malformed(what))).collect()
+    }
+
+    /// Goes to the end of the dataset.
+    fn skip(&mut self) -> Result<(), MeshFormatError> {
+        while self.record()?.is_some() {}
+        Ok(())
+    }
+
+    fn ends(&self) -> MeshFormatError {
+        self.error(format!("the file ends within the dataset {}", self.dataset), CUT)
+    }
+
+    /// Creates an error at the line that was read last.
+    fn error(&self, message: impl Into<String>, help: impl Into<String>) -> MeshFormatError {
+        self.error_at(self.line, message, help)
+    }
+
+    /// Creates an error at a `line`.
+    fn error_at(&self, line: usize, message: impl Into<String>, help: impl Into<String>) -> MeshFormatError {
+        MeshFormatError::new(self.file, Place::Line(line.max(1)), message, help)
+    }
+
+    /// Creates the error of a fault that only a new export cures.
+    fn damaged(&self, message: impl Into<String>) -> MeshFormatError {
+        self.error(message, AGAIN)
+    }
+
+    /// Creates the error of a line that does not contain `what`.
+    fn malformed(&self, what: &str) -> MeshFormatError {
+        self.damaged(format!("dataset {}: {what} expected in this line", self.dataset))
     }
 }

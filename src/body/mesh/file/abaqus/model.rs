@@ -2,14 +2,11 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::elements::{is_variant, kind_of};
-use super::keywords::{Data, Keyword};
-use super::sets::{Sets, Span, present, too_many};
-use crate::body::mesh::Facet;
-use crate::body::mesh::boundaries::sorted;
-use crate::body::mesh::file::raw::{RawMesh, real};
-use crate::body::mesh::file::sides::{Element, add_boundary, no_side, outer, within};
+use super::{Data, Keyword};
+use crate::body::mesh::file::raw::{Element, ElementKind, RawMesh, add_boundary, no_side, outer, real, within};
 use crate::body::mesh::file::{MeshFormatError, Place};
+use crate::body::mesh::sides::sorted;
+use crate::body::mesh::{CellKind, Facet};
 
 /// Sides of elements by their number from 0, or all outer sides of the elements.
 type Sides = (Vec<Span>, Option<usize>);
@@ -180,7 +177,7 @@ impl Model {
         let elements = self.element_sets.indices(&of, &self.element_indices);
         let nodes: HashSet<usize> = elements.iter().flat_map(|&e| self.elements[e].nodes.iter().copied()).collect();
         self.node_sets.add(&name, nodes.into_iter().map(|node| Span::one(self.mesh.numbers[node])));
-        self.limited(keyword, self.node_sets.size())
+        self.limited(keyword, self.node_sets.size)
     }
 
     fn take_surface(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
@@ -366,4 +363,170 @@ fn complete(keyword: &Keyword<'_>) -> Result<(), MeshFormatError> {
         return Err(keyword.error(format!("*{name}, INSTANCE= is not read"), help));
     }
     Ok(())
+}
+
+/// Returns the kind of elements of Abaqus's type `name`; `None` if it is not supported. Abaqus and
+/// [`CellKind`] have the same orders of nodes and of sides. Gmsh writes lines as trusses.
+fn kind_of(name: &str) -> Option<ElementKind> {
+    match name {
+        "T2D2" | "T3D2" => return Some(ElementKind::Line),
+        "T2D3" | "T3D3" => return Some(ElementKind::Line3),
+        _ => {}
+    }
+    let (solid, rest) = match name.strip_prefix("C3D") {
+        Some(rest) => (true, rest),
+        None => (false, ["CPE", "CPS", "CAX"].iter().find_map(|family| name.strip_prefix(family))?),
+    };
+    let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
+    let (nodes, variant) = rest.split_at(digits);
+    // Reduced, hybrid, incompatible modes, modified, thermal, and improved surface stress.
+    if !variant.bytes().all(|letter| b"RHIMTS".contains(&letter)) {
+        return None;
+    }
+    Some(ElementKind::Cell(match (solid, nodes) {
+        (false, "3") => CellKind::Triangle,
+        (false, "4") => CellKind::Quadrilateral,
+        (false, "6") => CellKind::Triangle6,
+        (false, "8") => CellKind::Quadrilateral8,
+        (true, "4") => CellKind::Tetrahedron,
+        (true, "6") => CellKind::Prism,
+        (true, "8") => CellKind::Hexahedron,
+        (true, "10") => CellKind::Tetrahedron10,
+        (true, "15") => CellKind::Prism15,
+        (true, "20") => CellKind::Hexahedron20,
+        _ => return None,
+    }))
+}
+
+/// Returns `true` for a type whose last letters choose a formulation, such as CPE4R.
+fn is_variant(name: &str) -> bool {
+    name.ends_with(|last: char| last.is_ascii_alphabetic())
+}
+
+/// The numbers `first`, `first + step`, ... up to `last`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Span {
+    first: usize,
+    last: usize,
+    step: usize,
+}
+
+impl Span {
+    fn one(number: usize) -> Self {
+        Span { first: number, last: number, step: 1 }
+    }
+
+    fn contains(&self, number: usize) -> bool {
+        (self.first..=self.last).contains(&number) && (number - self.first).is_multiple_of(self.step)
+    }
+}
+
+/// Sets of numbers by name. A set of many numbers may be one [`Span`].
+#[derive(Default)]
+struct Sets {
+    /// The names in the order of the file.
+    pub names: Vec<String>,
+    spans: HashMap<String, Vec<Span>>,
+    /// The number of spans of all sets.
+    size: usize,
+}
+
+impl Sets {
+    /// Adds members to the set `name`.
+    fn add(&mut self, name: &str, members: impl IntoIterator<Item = Span>) {
+        if !self.spans.contains_key(name) {
+            self.names.push(name.to_string());
+        }
+        let spans = self.spans.entry(name.to_string()).or_default();
+        let before = spans.len();
+        spans.extend(members);
+        self.size += spans.len() - before;
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.spans.contains_key(name)
+    }
+
+    /// Adds the data of `*NSET` or `*ELSET` to the set `name`: numbers and names of sets, or with GENERATE first and last
+    /// number and increment. There may be `most` members of all sets.
+    fn define(
+        &mut self,
+        name: &str,
+        keyword: &Keyword<'_>,
+        data: &[Data<'_>],
+        most: usize,
+    ) -> Result<(), MeshFormatError> {
+        let mut members = Vec::new();
+        for row in data {
+            let fields = row.words();
+            if keyword.value("GENERATE").is_some() {
+                let numbers: Option<Vec<usize>> = fields.map(|field| field.parse().ok()).collect();
+                members.push(match numbers.as_deref() {
+                    Some(&[first, last]) => Span { first, last, step: 1 },
+                    Some(&[first, last, step]) if step > 0 => Span { first, last, step },
+                    _ => {
+                        let help = "give first number, last number, increment, such as 1, 9, 2";
+                        return Err(keyword.error_at(row, "GENERATE needs two or three whole numbers", help));
+                    }
+                });
+                continue;
+            }
+            for field in fields {
+                members.extend(self.members(field).ok_or_else(|| {
+                    let message = format!("`{field}` is neither a number nor a set that is defined before");
+                    keyword.error_at(row, message, "define the set first, or correct its name")
+                })?);
+                if members.len() > most {
+                    return Err(too_many(keyword));
+                }
+            }
+        }
+        members.sort_unstable();
+        members.dedup();
+        self.add(name, members);
+        // Sets that name one another could otherwise grow without bound.
+        if self.size > most { Err(too_many(keyword)) } else { Ok(()) }
+    }
+
+    /// Returns the members of a set, or the number itself, of a `field`; `None` if it is neither.
+    fn members(&self, field: &str) -> Option<Vec<Span>> {
+        match field.parse() {
+            Ok(number) => Some(vec![Span::one(number)]),
+            Err(_) => self.spans.get(&field.trim_matches('"').to_uppercase()).cloned(),
+        }
+    }
+
+    /// Returns the indices of all members of the set `name` that `indices` has, in increasing order of numbers.
+    fn indices(&self, name: &str, indices: &HashMap<usize, usize>) -> Vec<usize> {
+        present(self.spans.get(name).map_or(&[], Vec::as_slice), indices)
+    }
+}
+
+/// Returns the indices of all numbers in `spans` that `indices` has, each once, in increasing order of numbers.
+fn present(spans: &[Span], indices: &HashMap<usize, usize>) -> Vec<usize> {
+    let mut found: Vec<(usize, usize)> = Vec::new();
+    for span in spans {
+        let count = span.last.saturating_sub(span.first) / span.step;
+        if span.first > span.last {
+            continue;
+        }
+        if count < indices.len() {
+            let numbers = (0..=count).map(|k| span.first + k * span.step);
+            found.extend(numbers.filter_map(|number| Some((number, *indices.get(&number)?))));
+        } else {
+            found.extend(indices.iter().filter(|(number, _)| span.contains(**number)).map(|(a, b)| (*a, *b)));
+        }
+        if found.len() > 2 * indices.len() {
+            found.sort_unstable();
+            found.dedup();
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found.into_iter().map(|(_, index)| index).collect()
+}
+
+fn too_many(keyword: &Keyword<'_>) -> MeshFormatError {
+    keyword
+        .error("the sets repeat one another: they have far more members than the file has numbers", "define fewer sets")
 }

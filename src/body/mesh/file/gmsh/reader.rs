@@ -3,6 +3,8 @@
 use std::borrow::Cow;
 use std::str::{FromStr, SplitWhitespace};
 
+use super::Version;
+use crate::body::mesh::file::raw::shortened;
 use crate::body::mesh::file::{MeshFormatError, Place};
 
 const AGAIN: &str = "export the mesh again from Gmsh";
@@ -167,6 +169,21 @@ impl<'a> Reader<'a> {
         read(&mut Fields::Text(line.split_whitespace())).ok_or_else(|| self.malformed(section, what))
     }
 
+    /// Reads a number alone in the next line of `section`, or in the next bytes of a binary file.
+    pub(super) fn count(&mut self, section: &str) -> Result<usize, MeshFormatError> {
+        self.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))
+    }
+
+    /// Reads the numbers of blocks and of all members of `section`; MSH 4.1 has also the least and the largest number.
+    pub(super) fn counts(&mut self, section: &str, version: Version) -> Result<(usize, usize), MeshFormatError> {
+        let (more, what) = if version == Version::V41 { (2, "4 whole numbers") } else { (0, "2 whole numbers") };
+        self.row(section, what, |row| {
+            let counts = (row.size()?, row.size()?);
+            row.list(more, Fields::size)?;
+            row.last(counts)
+        })
+    }
+
     /// Returns the next four bytes.
     pub(super) fn four_bytes(&mut self) -> Option<[u8; 4]> {
         let bytes = self.bytes[self.at..].first_chunk().copied()?;
@@ -222,7 +239,7 @@ impl<'a> Reader<'a> {
     /// Creates an error at what was read last.
     pub(super) fn error(&self, message: impl Into<String>, help: impl Into<String>) -> MeshFormatError {
         let place = if self.binary { Place::Byte(self.start) } else { Place::Line(self.line.max(1)) };
-        MeshFormatError { file: self.file.to_string(), place, message: message.into(), help: help.into() }
+        MeshFormatError::new(self.file, place, message, help)
     }
 
     /// Creates the error of a fault that only a new export cures.
@@ -235,9 +252,4 @@ impl<'a> Reader<'a> {
         let here = if self.binary { "here" } else { "in this line" };
         self.damaged(format!("${section}: {what} expected {here}"))
     }
-}
-
-/// Shortens a line for messages.
-fn shortened(line: &str) -> String {
-    line.chars().take(40).flat_map(char::escape_debug).collect()
 }
