@@ -58,13 +58,8 @@
 mod complementarity;
 mod coordinates;
 mod dictionary;
-mod lemke;
 mod node;
 mod rate;
-mod rate_problem;
-mod refined;
-mod saved;
-mod sparse;
 mod stretch;
 mod tangent;
 mod walk;
@@ -72,9 +67,9 @@ mod walk;
 use serde::{Deserialize, Serialize};
 
 pub use node::NodeStatus;
-pub use rate_problem::Effort;
-pub(crate) use saved::SavedExactPath;
+pub use rate::Effort;
 pub use walk::ExactPath;
+pub(crate) use walk::SavedExactPath;
 
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::problem::ProblemError;

@@ -43,37 +43,29 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod algorithm;
 mod bn;
 mod body;
-mod choice;
 mod driver;
-mod error;
 mod events;
 mod first_touch;
 mod increment;
 mod increment_error;
 mod ip;
-mod jump;
 mod method;
-mod observer;
 mod predictor_corrector;
 mod record;
-mod response;
-mod rigid_offset;
 mod saved;
 mod settings;
-mod slip;
 mod stage;
 mod state;
 mod stepper;
 mod strategy;
 mod system;
 mod task;
-mod working_set;
 
-use crate::algebra::linear::Statistics;
-use crate::solver::events::{Event, Jump, PathEnd};
+use crate::algebra::linear::{LinearError, Statistics};
+use crate::solver::checkpoint::CheckpointError;
+use crate::solver::events::{Event, Jump, PathEnd, PathError};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::{KktScales, Violation};
 use crate::solver::loading::Loading;
@@ -83,20 +75,17 @@ use driver::HistoryDriver;
 use state::HistoryState;
 use std::time::Instant;
 
-pub use choice::{HistoryMethod, SolverChoice};
-pub use error::Error;
 pub use events::{ExactPathSettings, follow_exact_path};
+pub(crate) use events::{JumpSolver, RestartPoint};
+pub use increment::WorkingSet;
 pub use increment_error::{IncrementError, IncrementErrors};
-pub(crate) use jump::{JumpSolver, RestartPoint};
-pub use method::{Method, Start};
-pub use observer::{IncrementView, Observer};
-pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
+pub use method::{HistoryMethod, Method, SolverChoice, Start};
+pub use record::{ContactCounts, IncrementRecord, IncrementView, Observer, Seconds, Status, Tally};
 pub use saved::Snapshot;
 pub use settings::HistorySettings;
 pub use stepper::{Stepper, StepperState};
 pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
-pub use working_set::WorkingSet;
 
 /// The result of a history.
 #[derive(Debug, Clone)]
@@ -246,4 +235,39 @@ pub(crate) fn check_times(times: &[f64]) -> Result<(), ProblemError> {
     expect_finite("times", times)?;
     expect_each("times", times, "0 or more: a history begins at 0", |time| time >= 0.0)?;
     expect_increasing("times", times.iter().copied())
+}
+
+/// The reason why a history cannot be run or continued. An increment that does not converge is no error; it has a
+/// [`super::Status`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An array does not fit the problem or has an invalid value.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The constants of the paper are stresses, which need weights.
+    #[error("the method {method} has constants per area: give the problem the weight of each contact node")]
+    NoWeight {
+        /// The method.
+        method: Method,
+    },
+    /// The linear solver failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// A checkpoint is damaged, or belongs to another run.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// An exact path cannot be followed.
+    #[error(transparent)]
+    Path(PathError),
+}
+
+impl From<PathError> for Error {
+    fn from(error: PathError) -> Self {
+        match error {
+            PathError::Problem(error) => Error::Problem(error),
+            PathError::Linear(error) => Error::Linear(error),
+            other => Error::Path(other),
+        }
+    }
 }

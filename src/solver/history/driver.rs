@@ -1,16 +1,16 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
 use super::body::Body;
-use super::increment::{IncrementDriver, IncrementEnd};
-use super::observer::{IncrementObserver, IncrementView, Observer, record};
-use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
+use super::increment::{IncrementDriver, IncrementEnd, WorkingSet};
+use super::record::{
+    ContactCounts, IncrementObserver, IncrementRecord, IncrementView, Observer, Seconds, Status, record,
+};
 use super::saved::{Done, RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;
 use super::state::{HistoryState, StepResult};
 use super::system::statistics;
 use super::task::Algorithm;
-use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
 use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};

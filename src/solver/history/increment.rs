@@ -6,23 +6,27 @@
 //!
 //! A joint that slips as a whole at the end of a substep (`slip.rs`) gives way where the work of the loads reaches that of
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
+//!
+//! The working set of an active set method: the contact nodes in condensed equations.
+//!
+//! Open nodes have `p = 0`. A state without some nodes therefore satisfies all laws if these nodes do not penetrate
+//! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working
+//! set penetrate, they join it together with the nearest other nodes. No node leaves it.
 
 use super::body::{Body, RecoveredState};
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::observer::IncrementObserver;
-use super::response::Linearized;
-use super::rigid_offset::RigidOffset;
+use super::record::{IncrementObserver, is_solution};
 use super::settings::HistorySettings;
-use super::stage::Stage;
-use super::state::{HistoryState, IncrementInProgress, StepResult};
+use super::stage::{Linearized, Stage};
+use super::state::{HistoryState, IncrementInProgress, RigidOffset, StepResult};
 use super::task::{Observe, Task};
-use super::working_set::{self, MissingNodes};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::laws::{Judgement, KktScales};
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::{Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
+use serde::{Deserialize, Serialize};
 
 /// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
 /// body that slides in a plane move far, until friction has turned.
@@ -71,6 +75,28 @@ pub(super) struct SubstepInput {
     landed: Option<Vec<usize>>,
     /// The scales of the earlier increments and of the load.
     scales: KktScales,
+}
+
+/// The size of a history's working set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorkingSet {
+    /// The number of contact nodes at first.
+    pub first: usize,
+    /// The number of contact nodes at the end.
+    pub last: usize,
+    /// The number of all contact nodes.
+    pub all: usize,
+    /// The number of times that nodes joined.
+    pub grown: usize,
+}
+
+/// The larger working set that is needed to continue.
+struct MissingNodes {
+    /// The contact nodes of the larger set, ascending.
+    nodes: Vec<usize>,
+    /// `true` if the last state solves the equations of the smaller set.
+    solved: bool,
 }
 
 impl IncrementDriver<'_> {
@@ -329,11 +355,30 @@ impl IncrementDriver<'_> {
         Ok(StepResult { solved, state, scales, kkt, status, slip: None, ends: Vec::new(), friction_work: 0.0 })
     }
 
-    /// Returns the contact nodes that the equations lack after a `substep`.
+    /// Returns the larger working set needed after a `substep`, or `None` if the present one suffices.
+    ///
+    /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
+    /// reported only after all nodes have been included.
     fn lack(&self, substep: &StepResult) -> Result<Option<MissingNodes>, LinearError> {
-        let held = self.body.nodes();
-        let lack = |held| working_set::lack(self.body.problem, &self.data(), substep, held, self.settings.tolerance);
-        held.map_or(Ok(None), lack)
+        let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
+        let Some(held) = self.body.nodes() else { return Ok(None) };
+        if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
+            return Ok(None);
+        }
+        let all = problem.contacts();
+        let mut is_held = vec![false; all];
+        held.iter().for_each(|&i| is_held[i] = true);
+        let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
+        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let judgement = Judgement::near(problem, &data, &substep.state, &substep.scales, tolerance)?;
+        let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
+        let solved = substep.solved.stop == Termination::Converged && penetrating > 0;
+        let joining = if solved { held.len().max(2 * penetrating) } else { all };
+        // Leaving out less than a quarter of the nodes saves little.
+        let joining = if 4 * (held.len() + joining) >= 3 * all { all } else { joining };
+        others.iter().take(joining).for_each(|(i, _)| is_held[*i] = true);
+        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved }))
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
@@ -397,25 +442,11 @@ impl IncrementDriver<'_> {
             }
         }
     }
-}
 
-/// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
-/// slip after the longer time `by`: first a little beyond it, then a little before it, and 0 if both are known.
-fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
-    if by - slips > 1.5 * margin {
-        slips + margin
-    } else if slips > 1.5 * margin {
-        slips - margin
-    } else {
-        0.0
-    }
-}
-
-impl IncrementDriver<'_> {
     /// Moves a body that only contact holds to its rest position under the load of the substep that ends at `time`.
     /// Returns the nodes that touch there if the position is new, and `None` if supports hold the body or no rest
     /// position is found.
-    pub(super) fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
+    fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
         if !self.stage.may_move_rigidly {
             return None;
         }
@@ -432,5 +463,17 @@ impl IncrementDriver<'_> {
         self.history.offset = self.history.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.history.reached.is_none() || !stays).then_some(nodes)
+    }
+}
+
+/// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
+/// slip after the longer time `by`: first a little beyond it, then a little before it, and 0 if both are known.
+fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
+    if by - slips > 1.5 * margin {
+        slips + margin
+    } else if slips > 1.5 * margin {
+        slips - margin
+    } else {
+        0.0
     }
 }

@@ -2,7 +2,7 @@
 
 use super::body::Body;
 use super::driver::HistoryDriver;
-use super::observer::Observer;
+use super::record::Observer;
 use super::saved::{Done, Snapshot};
 use super::stage::Stage;
 use super::state::HistoryState;

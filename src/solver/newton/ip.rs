@@ -1,7 +1,6 @@
 //! Algorithm IP: the potential reduction interior point method.
 
-use super::clock::Clock;
-use super::{Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
+use super::{Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver, SolveInfo};
 use crate::solver::formulation::{Constrained, InteriorPoint};
 use std::ops::ControlFlow;

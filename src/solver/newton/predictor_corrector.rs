@@ -4,9 +4,8 @@
 //! No constant depends on the problem: `σ` follows from the step of the predictor, the step from the border, and the
 //! caller's error measure is the stopping test.
 
-use super::clock::Clock;
 use super::ip::Workspace;
-use super::{Iteration, IterationRecord, MethodResult, Termination};
+use super::{Clock, Iteration, IterationRecord, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::{Face, InteriorPoint, Pair, largest_step};
 use std::ops::ControlFlow;
