@@ -8,7 +8,7 @@ mod predictor_corrector;
 pub use armijo::Armijo;
 pub use bn::{Bn, Measure, StopCriterion};
 pub use ip::{Centring, Ip, IpSettings};
-pub(crate) use predictor_corrector::{PredictorCorrector, PredictorCorrectorSettings};
+pub(crate) use predictor_corrector::PredictorCorrector;
 use std::time::Instant;
 
 use crate::algebra::linear::{LinearError, SystemMatrix};
