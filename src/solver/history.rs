@@ -72,6 +72,7 @@ use crate::solver::loading::Loading;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 use driver::HistoryDriver;
+use serde::{Deserialize, Serialize};
 use state::HistoryState;
 use std::time::Instant;
 
@@ -88,13 +89,15 @@ pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 
 /// The result of a history.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct HistoryOutcome {
     /// The verdict of the set-up, or of the first increment that did not converge, or [`Status::Converged`].
+    #[serde(skip)]
     pub status: Status,
     /// The record of each increment, up to the first that failed. Only the last two are kept unless the settings ask
     /// for all.
+    #[serde(skip)]
     pub records: Vec<IncrementRecord>,
     /// The totals over all increments, including those before a checkpoint.
     pub tally: Tally,
@@ -105,31 +108,40 @@ pub struct HistoryOutcome {
     /// The scales of the error measure, from all converged increments.
     pub scales: KktScales,
     /// The largest violation of the law in the increment that failed.
+    #[serde(skip)]
     pub violation: Option<Violation>,
     /// The changes of status, if the exact path was followed and the settings ask for all.
+    #[serde(skip)]
     pub events: Vec<Event>,
     /// The number of changes of status.
     pub event_count: usize,
     /// The jumps over ends of the quasi-static motion.
     pub jumps: Vec<Jump>,
     /// The end of the quasi-static motion, if the path ended early.
+    #[serde(skip)]
     pub lost: Option<PathEnd>,
     /// The equilibrium error due to rounding of the displacements in the last increment.
+    #[serde(skip)]
     pub rounding: f64,
     /// The weights of the problem's rigid modes in a motion that caused the failure, if there is one: nothing stops
     /// it, or the loads drive it against all contact forces.
+    #[serde(skip)]
     pub free_motion: Option<Vec<f64>>,
     /// The slip of a joint as a whole, with [`Status::Slips`].
+    #[serde(skip)]
     pub slip: Option<Slip>,
     /// The layout of the unknowns.
+    #[serde(skip)]
     pub layout: Layout,
     /// The working set, if not all contact nodes were in the equations at first.
     pub working_set: Option<WorkingSet>,
     /// The estimated time-step error, if there is friction and the method estimates it.
     pub increment_error: Option<IncrementError>,
     /// The statistics of the linear solver.
+    #[serde(skip)]
     pub linear: Statistics,
     /// The time for patterns and symbolic analysis, before the first increment, s.
+    #[serde(skip)]
     pub setup_seconds: f64,
 }
 
@@ -152,27 +164,7 @@ impl HistoryOutcome {
 
     /// Creates the outcome of a history before its first increment.
     fn unsolved(problem: &ContactProblem) -> Self {
-        HistoryOutcome {
-            status: Status::Converged,
-            records: Vec::new(),
-            tally: Tally::default(),
-            state: State::zero(problem),
-            reached: 0.0,
-            scales: KktScales::default(),
-            violation: None,
-            events: Vec::new(),
-            event_count: 0,
-            jumps: Vec::new(),
-            lost: None,
-            rounding: 0.0,
-            free_motion: None,
-            slip: None,
-            layout: Layout::new(problem),
-            working_set: None,
-            increment_error: None,
-            linear: Statistics::default(),
-            setup_seconds: 0.0,
-        }
+        HistoryOutcome { state: State::zero(problem), layout: Layout::new(problem), ..HistoryOutcome::default() }
     }
 }
 

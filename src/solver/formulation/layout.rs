@@ -6,7 +6,7 @@ use crate::solver::problem::{ContactProblem, ProblemError, State};
 
 /// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only if there is friction and freedom along
 /// that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
     displacements: usize,
     /// The places of `p_t` and `p_o` of each contact node in `z`, if it has them.

@@ -5,7 +5,7 @@ use super::increment::{IncrementDriver, IncrementEnd, WorkingSet};
 use super::record::{
     ContactCounts, IncrementObserver, IncrementRecord, IncrementView, Observer, Seconds, Status, record,
 };
-use super::saved::{Done, RunOf, Saved, SavedStage};
+use super::saved::{RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;
 use super::state::{HistoryState, StepResult};
@@ -79,7 +79,7 @@ impl<'a> HistoryDriver<'a> {
         let Some(from) = &self.settings.from else { return Ok(()) };
         let Saved { outcome, history, stage, statistics, .. } =
             Saved::read(from, self.body.problem, self.body.loading, self.times, self.settings)?;
-        self.outcome = outcome.resume(HistoryOutcome::unsolved(self.body.problem));
+        self.outcome.resume(outcome);
         (*self.history, self.done, self.saved) = (history, statistics, Some(stage));
         Ok(())
     }
@@ -280,7 +280,7 @@ impl HistoryOutcome {
         let nodes = driver.body.nodes().map(<[usize]>::to_vec);
         let saved = Saved {
             run: RunOf::new(driver.body.problem, driver.body.loading, times, driver.settings),
-            outcome: Done::of(self),
+            outcome: self.so_far(),
             history: driver.history.clone(),
             stage: SavedStage { snapshot: driver.stage.method.snapshot(linear), nodes },
             statistics: *linear.statistics(),

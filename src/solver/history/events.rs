@@ -165,7 +165,8 @@ impl ExactHistory<'_> {
             if !walk.resume(saved.walk)? {
                 return Err(CheckpointError::Damaged.into());
             }
-            (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
+            self.outcome.resume(saved.outcome);
+            scales = saved.scales;
             // Keeps the earlier value if there is nothing left to solve.
             self.outcome.linear = statistics(walk.statistics(), body, 0.0);
         }

@@ -12,11 +12,12 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 /// The verdict on an increment and on a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Every law holds within the tolerance, by the independent error measure.
+    #[default]
     Converged,
     /// The method's own stopping test was met, but a law is violated by more than the tolerance.
     Inaccurate,
@@ -108,7 +109,7 @@ impl Seconds {
 }
 
 /// The record of one increment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct IncrementRecord {
@@ -159,26 +160,8 @@ pub struct IncrementRecord {
 impl IncrementRecord {
     /// Creates the record of increment 0: the body at t = 0 with `contacts` contact nodes, before anything is solved.
     pub(crate) fn undeformed(contacts: usize) -> Self {
-        IncrementRecord {
-            index: 0,
-            time: 0.0,
-            status: Status::Converged,
-            parts: 0,
-            part_ends: Vec::new(),
-            joined: 0,
-            jumps: 0,
-            attempts: 0,
-            rescued: false,
-            iterations: 0,
-            backtracks: 0,
-            theta: 0.0,
-            kkt: KktErrors::default(),
-            backward_error: 0.0,
-            contact: ContactCounts { open: contacts, ..ContactCounts::default() },
-            friction_work: 0.0,
-            strain_energy: 0.0,
-            seconds: Seconds::default(),
-        }
+        let contact = ContactCounts { open: contacts, ..ContactCounts::default() };
+        IncrementRecord { contact, ..IncrementRecord::default() }
     }
 }
 
