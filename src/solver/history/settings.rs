@@ -46,15 +46,6 @@ pub struct HistorySettings {
     pub from: Option<Checkpoint>,
 }
 
-/// The contact forces from which BN starts its first increment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FirstGuess {
-    /// The given normal stress (Pa) in every contact node.
-    Pressure(f64),
-    /// The forces that would clamp the contact nodes.
-    Held,
-}
-
 /// The default number of halvings. An increment may become 64 substeps, one and a half orders of magnitude, which
 /// distinguishes a history that cannot continue from one with too coarse increments.
 const HALVINGS: u32 = 6;
@@ -157,9 +148,9 @@ impl Algorithm for HistorySettings {
                     Method::Bn { rescue: true, .. } => strategy::BN,
                     _ => strategy::BN_ALONE,
                 };
-                Box::new(Strategy::new(BnMethod::measured(problem, loading, self), self, attempts))
+                Box::new(Strategy::new(BnMethod::new(problem, loading, self), self, attempts))
             }
-            Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
+            Method::PaperBn => Box::new(BnMethod::new(problem, loading, self)),
             Method::PaperIp { start, partition } => Box::new(IpMethod::new(problem, self, start, partition)),
         }
     }

@@ -42,32 +42,25 @@ use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::algebra::vector::dot;
-use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::TangentialCase;
-use crate::solver::newton::{Bn, MethodResult, Termination};
+use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
 use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 
 /// An attempt at an increment.
 #[derive(Clone, Copy)]
 pub(super) struct Attempt {
-    by: By,
+    /// How many times as far from the border the interior point method starts as the load suggests; `None` for BN.
+    distance: Option<f64>,
     /// The number of iterations after which the attempt is abandoned, without those of BN at its end. No attempt that
     /// solves an increment of the tests takes as many.
     patience: usize,
 }
 
-#[derive(Clone, Copy)]
-enum By {
-    Newton,
-    /// The interior point method, from a start this many times as far from the border as the load suggests.
-    InteriorPoint(f64),
-}
-
-const NEWTON: Attempt = Attempt { by: By::Newton, patience: 40 };
-const NEAR: Attempt = Attempt { by: By::InteriorPoint(1.0), patience: 30 };
-const FAR: Attempt = Attempt { by: By::InteriorPoint(10.0), patience: 30 };
-const FARTHEST: Attempt = Attempt { by: By::InteriorPoint(100.0), patience: usize::MAX };
+const NEWTON: Attempt = Attempt { distance: None, patience: 40 };
+const NEAR: Attempt = Attempt { distance: Some(1.0), patience: 30 };
+const FAR: Attempt = Attempt { distance: Some(10.0), patience: 30 };
+const FARTHEST: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
 
 /// Returns `true` if no other attempt is needed.
 fn ends(result: &MethodResult) -> bool {
@@ -75,13 +68,17 @@ fn ends(result: &MethodResult) -> bool {
 }
 
 /// The attempts of BN without the interior point method.
-pub(super) const BN_ALONE: &[Attempt] = &[Attempt { by: By::Newton, patience: usize::MAX }];
+pub(super) const BN_ALONE: &[Attempt] = &[Attempt { patience: usize::MAX, ..NEWTON }];
 
 /// The attempts of `method = "bn"`.
 pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
 
 /// The attempts of `method = "ip"`.
 pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
+
+/// The largest number of linear solves. The nodes that press in the sliding state are those of the last state but for a
+/// few.
+const ROUNDS: usize = 4;
 
 /// The attempts, with the methods that make them.
 pub(super) struct Strategy {
@@ -105,19 +102,54 @@ impl Strategy {
         clamping.into_iter().map(|p| p * self.settings.scaling.force).collect()
     }
 
-    /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it
-    /// took, and moves to the sliding state if there is one.
+    /// Looks for a sliding state, from the normal forces `pressed` (n_c, N) and this `share` of their friction. Returns the
+    /// solves that it took, and moves to the sliding state if there is one.
     fn slide(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         last: &State,
-        pressed: (&[f64], f64),
+        (pressed, share): (&[f64], f64),
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let (result, state) = sliding_state(task, self.bn.newton(), linear, last, pressed, observe)?;
-        if let Some(state) = state {
-            self.bn.set_state(&state);
+        let (problem, increment) = (task.problem, task.increment);
+        let sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
+        let load = Load { force: increment.force, sizes: &sizes };
+        let BnMethod { formulation, bn, .. } = &mut *self.bn;
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        let mut result = MethodResult { attempts: 0, ..MethodResult::new(f64::NAN) };
+        // Without pressure nothing is known of the contact.
+        let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
+        let rounds = if presses { ROUNDS } else { 0 };
+        let from = layout.packed(last, &scaling);
+        let (mut z, mut p_n) = (from.clone(), pressed.to_vec());
+        for round in 0..rounds {
+            if round == ROUNDS / 2 {
+                p_n.copy_from_slice(pressed);
+            }
+            let share = if round == 0 { share } else { 1.0 };
+            let mu: Vec<f64> = increment.mu.iter().map(|mu| share * mu).collect();
+            let Some(motion) = sliding_motion(problem, &mu, &load, &p_n) else { break };
+            // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
+            // then a drag spreads it over the body.
+            let v = problem.rigid_motion(&motion);
+            let much = excess(problem, increment.mu, increment.force, &p_n, &motion) / (dot(&v, &v) * scaling.force);
+            let drag = if round < ROUNDS / 2 { 0.0 } else { much };
+            let drag: Vec<f64> = v.iter().map(|v| drag * v).collect();
+            formulation.begin(increment, &from);
+            formulation.linearize_sliding(&p_n, &motion);
+            if !bn.solve_cases(formulation, linear, &drag, &mut z, &mut result, observe)? {
+                break;
+            }
+            p_n = formulation.pressing(&z).into_iter().map(|p| p * scaling.force).collect();
+            // At the very limit of friction the excess is rounding, and the joint still holds.
+            let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
+            let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
+            if slides && formulation.slides_on(&z, &motion, &problem.natural().contact_part) {
+                result.stop = Termination::Slips(motion);
+                self.bn.set_state(&layout.unpacked(&z, &scaling));
+                break;
+            }
         }
         Ok(result)
     }
@@ -160,17 +192,18 @@ impl IncrementSolver for Strategy {
             if left == 0 {
                 break;
             }
-            let tried = match attempt.by {
-                By::Newton => {
-                    bn.limit(left.min(attempt.patience));
+            let tried = match attempt.distance {
+                None => {
+                    bn.bn.limit(left.min(attempt.patience));
                     bn.solve(task, linear, observe)?
                 }
-                By::InteriorPoint(distance) => {
-                    let leads = matches!(self.attempts[0].by, By::InteriorPoint(_));
+                Some(distance) => {
+                    let leads = self.attempts[0].distance.is_some();
                     if leads && result.is_none() {
                         bn.begin(task, None, linear)?;
                     }
-                    let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
+                    let ip = ip
+                        .get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.formulation.assembled(), settings));
                     ip.set_state(&last);
                     ip.start_at(distance, attempt.patience, left);
                     let mut tried = ip.solve(task, linear, observe)?;
@@ -242,65 +275,11 @@ impl IncrementSolver for Strategy {
 
     fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         if let Some(rescue) = snapshot.rescue.take() {
-            let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.assembled(), &self.settings));
+            let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.formulation.assembled(), &self.settings));
             if !ip.restore(*rescue, linear)? {
                 return Ok(false);
             }
         }
         self.bn.restore(snapshot, linear)
     }
-}
-
-/// The largest number of linear solves. The nodes that press in the sliding state are those of the last state but for a
-/// few.
-const ROUNDS: usize = 4;
-
-/// Looks for a sliding state, from the normal forces `pressed` (n_c, N) and this `share` of their friction. Returns the
-/// solves that it took, with the state if it has found one.
-pub(super) fn sliding_state(
-    task: &Task<'_>,
-    (formulation, bn): (&mut Bdiff, &mut Bn),
-    linear: &mut RefinedSolver,
-    from: &State,
-    (pressed, share): (&[f64], f64),
-    observe: Observe<'_>,
-) -> Result<(MethodResult, Option<State>), LinearError> {
-    let (problem, increment) = (task.problem, task.increment);
-    let sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
-    let load = Load { force: increment.force, sizes: &sizes };
-    let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-    let mut result = MethodResult { attempts: 0, ..MethodResult::new(f64::NAN) };
-    // Without pressure nothing is known of the contact.
-    let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
-    let rounds = if presses { ROUNDS } else { 0 };
-    let from = layout.packed(from, &scaling);
-    let (mut z, mut p_n) = (from.clone(), pressed.to_vec());
-    for round in 0..rounds {
-        if round == ROUNDS / 2 {
-            p_n.copy_from_slice(pressed);
-        }
-        let share = if round == 0 { share } else { 1.0 };
-        let mu: Vec<f64> = increment.mu.iter().map(|mu| share * mu).collect();
-        let Some(motion) = sliding_motion(problem, &mu, &load, &p_n) else { break };
-        // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
-        // then a drag spreads it over the body.
-        let v = problem.rigid_motion(&motion);
-        let much = excess(problem, increment.mu, increment.force, &p_n, &motion) / (dot(&v, &v) * scaling.force);
-        let drag = if round < ROUNDS / 2 { 0.0 } else { much };
-        let drag: Vec<f64> = v.iter().map(|v| drag * v).collect();
-        formulation.begin(increment, &from);
-        formulation.linearize_sliding(&p_n, &motion);
-        if !bn.solve_cases(formulation, linear, &drag, &mut z, &mut result, observe)? {
-            break;
-        }
-        p_n = formulation.pressing(&z).into_iter().map(|p| p * scaling.force).collect();
-        // At the very limit of friction the excess is rounding, and the joint still holds.
-        let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
-        let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
-        if slides && formulation.slides_on(&z, &motion, &problem.natural().contact_part) {
-            result.stop = Termination::Slips(motion);
-            return Ok((result, Some(layout.unpacked(&z, &scaling))));
-        }
-    }
-    Ok((result, None))
 }
