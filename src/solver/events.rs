@@ -16,16 +16,12 @@
 //!
 //! | content | file |
 //! | --- | --- |
-//! | the exact path; the data along it | `walk.rs`, `stretch.rs` |
-//! | the rate problem and its laws | `rate_problem.rs` |
-//! | the search for its statuses | `rate.rs` |
-//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs`, `lemke.rs` |
-//! | the linear equations of given statuses | `tangent.rs` |
-//! | sparse equations: one factorisation for each set of statuses | `sparse.rs` |
+//! | the exact path and its snapshots; the data along it | `walk.rs`, `stretch.rs` |
+//! | the rate problem, its laws, and the search for its statuses | `rate.rs` |
+//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs` |
+//! | the linear equations of given statuses: sparse, and refined in twice the precision for slender bodies | `tangent.rs` |
 //! | dense equations: changes of rank one | `dictionary.rs` |
-//! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements of which each contact row is one | `coordinates.rs` |
-//! | snapshots of a path | `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::{Equations, SegmentEnd, ExactPath};

@@ -5,22 +5,19 @@
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
 //! | BN and IP along a history: starts and snapshots (the algorithms are in `newton/`) | `bn.rs`, `ip.rs` |
 //! | the default interior point method | `predictor_corrector.rs` |
-//! | what is tried for an increment, in which order | `strategy.rs` |
-//! | the algorithm of an increment ([`Method`]), its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
-//! | what a user chooses: increments or the exact path, tolerance, linear solver | `choice.rs` |
+//! | what is tried for an increment, in which order; joints that slip as a whole | `strategy.rs` |
+//! | what a user chooses: increments with an algorithm ([`Method`]) or the exact path, tolerance, linear solver | `method.rs` |
+//! | the settings of a history, and the construction of its method | `settings.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
-//! | one increment: its substeps and its verdict | `increment.rs` |
+//! | one increment: its substeps, its verdict and its working set | `increment.rs` |
 //! | the loop over increments, within a loop over stages | `driver.rs` |
-//! | a stage: one set-up of the equations | `stage.rs` |
-//! | the state that the history has reached | `state.rs` |
-//! | the working set: the contact nodes in condensed equations | `working_set.rs` |
+//! | a stage: one set-up of the equations, and their responses | `stage.rs` |
+//! | the state that the history has reached, with the rigid offset of a body that only contact holds | `state.rs` |
 //! | the body, whole or condensed; its interior at the end of a substep | `body.rs` |
-//! | the response with clamped contact nodes, or of a linearisation | `response.rs` |
-//! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
 //! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
-//! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
+//! | the exact path in time, from event to event; jumps | `events.rs` |
 //! | the time-step error of the friction work and of the tangential forces | `increment_error.rs` |
-//! | observers, records, checkpoints, errors | `observer.rs`, `record.rs`, `saved.rs`, `error.rs` |
+//! | records and observers; checkpoints | `record.rs`, `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};

@@ -87,6 +87,11 @@ impl MethodResult {
         }
     }
 
+    /// Creates the result of no attempt, before the first.
+    pub(crate) fn nothing() -> Self {
+        MethodResult { attempts: 0, ..MethodResult::new(f64::NAN) }
+    }
+
     /// Adds an iteration.
     fn add(&mut self, theta: f64, backtracks: usize, backward_error: f64) {
         self.iterations += 1;

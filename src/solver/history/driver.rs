@@ -2,13 +2,11 @@
 
 use super::body::Body;
 use super::increment::{IncrementDriver, IncrementEnd, WorkingSet};
-use super::record::{
-    ContactCounts, IncrementObserver, IncrementRecord, IncrementView, Observer, Seconds, Status, record,
-};
+use super::record::{IncrementObserver, IncrementRecord, IncrementView, Observer, Seconds, Status};
 use super::saved::{RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;
-use super::state::{HistoryState, StepResult};
+use super::state::{HistoryState, Step};
 use super::system::statistics;
 use super::task::Algorithm;
 use super::{Error, HistoryOutcome};
@@ -232,11 +230,10 @@ impl<'a> HistoryDriver<'a> {
                 increment.solved.assembly_seconds,
                 began.elapsed().as_secs_f64(),
             );
-            let counts = ContactCounts::of(&statuses);
             let joined = std::mem::take(&mut self.joined);
-            let record = record(problem, driver.data().force, index, time, &increment, counts, seconds);
-            let record = IncrementRecord { joined, ..record };
-            let StepResult { solved, state, scales, status, slip, .. } = *increment;
+            let at = (index, time, driver.data().force);
+            let record = IncrementRecord { joined, ..increment.record(problem, at, &statuses, seconds) };
+            let Step { solved, state, scales, status, slip, .. } = *increment;
             let (flow, shown) = driver.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())

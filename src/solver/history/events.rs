@@ -9,17 +9,17 @@
 
 use super::body::{Body, RecoveredState, Responds};
 use super::driver::HistoryDriver;
-use super::record::{ContactCounts, IncrementRecord, IncrementView, Observer, Seconds, Status, is_solution, record};
+use super::record::{IncrementRecord, IncrementView, Observer, Seconds, Status, is_solution};
 use super::saved::{RunOf, SavedPath};
 use super::settings::HistorySettings;
-use super::state::{HistoryState, StepResult};
+use super::state::{HistoryState, Step};
 use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
-use crate::solver::laws::{Judgement, KktErrors, KktScales, statuses_of};
+use crate::solver::laws::{Judgement, KktScales, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -64,18 +64,17 @@ struct StepStart {
     time: f64,
 }
 
-/// The results of an increment so far.
+/// An increment so far.
 struct IncrementSoFar {
     index: usize,
     /// The end of the increment, s.
     end: f64,
     clock: Instant,
     before: Statistics,
-    kkt: KktErrors,
-    ends: Vec<f64>,
-    friction_work: f64,
     rates: usize,
     jumps: usize,
+    /// The sum of its steps, with the state of none.
+    sum: Step,
 }
 
 /// Follows the exact path in time from event to event, to the end of the history or to the end of the quasi-static
@@ -161,17 +160,15 @@ impl ExactHistory<'_> {
                 end: time,
                 clock: Instant::now(),
                 before: self.path.statistics(),
-                kkt: KktErrors::default(),
-                ends: Vec::new(),
-                friction_work: 0.0,
                 rates: self.path.effort().solves,
                 jumps: 0,
+                sum: Step::default(),
             };
             let (step_start, lost) = loop {
                 let step_start = StepStart { places: self.path.places(), time: self.path.time() };
                 let step = self.path.step(time)?;
                 step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
-                in_progress.friction_work += step.friction_work;
+                in_progress.sum.friction_work += step.friction_work;
                 match step.stop {
                     SegmentEnd::PathEnd(lost) if self.jump => {
                         if !self.jump(lost, &step_start, &mut in_progress)? {
@@ -187,7 +184,7 @@ impl ExactHistory<'_> {
                         }
                     }
                 }
-                let error = Some(in_progress.kkt.worst().1);
+                let error = Some(in_progress.sum.kkt.worst().1);
                 let iteration = self.path.effort().solves - in_progress.rates;
                 let progress = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
                 if self.observer.iteration(in_progress.index, &progress).is_break() {
@@ -197,7 +194,7 @@ impl ExactHistory<'_> {
             };
             let reached = lost.map_or(time, |lost| lost.time);
             let data = StepData::new(problem, loading, reached, &step_start);
-            in_progress.ends.push(reached);
+            in_progress.sum.ends.push(reached);
             let balanced = self.balanced(&data)?;
             self.outcome.lost = lost;
             let slide = lost.and_then(|_| self.sliding_motion(time, &data, &balanced.state));
@@ -241,11 +238,11 @@ impl ExactHistory<'_> {
         let data = StepData::by(&self.path, problem, step_start);
         let increment = data.increment();
         let judgement = Judgement::near(problem, &increment, &state, &self.scales[0], self.settings.tolerance)?;
-        in_progress.kkt = in_progress.kkt.max(&judgement.errors());
+        in_progress.sum.kkt = in_progress.sum.kkt.max(&judgement.errors());
         self.scales[0] = judgement.scales();
         // Loads at t = 0 are applied in a substep of their own, which takes no time.
         if stop != SegmentEnd::Until && (now > step_start.time || now == 0.0) {
-            in_progress.ends.push(now);
+            in_progress.sum.ends.push(now);
         }
         Ok(())
     }
@@ -298,11 +295,12 @@ impl ExactHistory<'_> {
             self.report(in_progress.index, Event { time, node, from, to });
         }
         if let Some(record) = records.last() {
-            in_progress.kkt = in_progress.kkt.max(&record.kkt);
-            in_progress.friction_work += record.friction_work;
+            in_progress.sum.kkt = in_progress.sum.kkt.max(&record.kkt);
+            in_progress.sum.friction_work += record.friction_work;
         }
         in_progress.jumps += 1;
         in_progress
+            .sum
             .ends
             .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > step_start.time));
         self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
@@ -329,7 +327,7 @@ impl ExactHistory<'_> {
         let RecoveredState { state, backward_error, .. } = balanced;
         let increment = data.increment();
         let judgement = Judgement::near(problem, &increment, &state, &self.scales[1], tolerance)?;
-        let kkt = in_progress.kkt.max(&judgement.errors());
+        let kkt = in_progress.sum.kkt.max(&judgement.errors());
         self.outcome.rounding = judgement.rounding();
         let violation = judgement.worst();
         let scales = judgement.scales();
@@ -341,15 +339,14 @@ impl ExactHistory<'_> {
         let solved = MethodResult {
             iterations: self.path.effort().solves - in_progress.rates,
             backward_error: after.worst_backward_error.max(backward_error),
-            attempts: 0,
-            ..MethodResult::new(0.0)
+            theta: 0.0,
+            ..MethodResult::nothing()
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
-        let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let result = StepResult { solved, state, scales, kkt, status, slip: None, ends, friction_work };
-        let counts = ContactCounts::of(&statuses);
-        let record = record(problem, &data.force, index, data.time, &result, counts, seconds);
-        let (record, StepResult { state, scales, .. }) = (IncrementRecord { jumps, ..record }, result);
+        let IncrementSoFar { index, sum, jumps, .. } = in_progress;
+        let result = Step { solved, state, scales, kkt, status, ..sum };
+        let record = result.record(problem, (index, data.time, &data.force), &statuses, seconds);
+        let (record, Step { state, scales, .. }) = (IncrementRecord { jumps, ..record }, result);
         let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,

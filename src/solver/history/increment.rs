@@ -4,7 +4,7 @@
 //! counts and its largest backward error. After a substep converges, the next one ends where the halved interval ended:
 //! T/4, T/4, T/2.
 //!
-//! A joint that slips as a whole at the end of a substep (`slip.rs`) gives way where the work of the loads reaches that of
+//! A joint that slips as a whole at the end of a substep (`strategy.rs`) gives way where the work of the loads reaches that of
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
 //!
 //! The working set of an active set method: the contact nodes in condensed equations.
@@ -18,7 +18,7 @@ use super::increment_error::{IncrementError, IncrementErrors};
 use super::record::{IncrementObserver, is_solution};
 use super::settings::HistorySettings;
 use super::stage::{Linearized, Stage};
-use super::state::{HistoryState, IncrementInProgress, RigidOffset, StepResult};
+use super::state::{HistoryState, IncrementInProgress, RigidOffset, Step};
 use super::task::{Observe, Task};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
@@ -51,7 +51,7 @@ pub(super) struct IncrementDriver<'a> {
 /// The progress of an increment.
 pub(super) enum IncrementEnd {
     /// The increment reached its end, or the place where it failed.
-    Ended(Box<StepResult>),
+    Ended(Box<Step>),
     /// The equations lack contact nodes; the value is the working set needed to continue.
     NeedsNodes(Vec<usize>),
 }
@@ -101,7 +101,7 @@ struct MissingNodes {
 
 impl IncrementDriver<'_> {
     /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
-    /// [`StepResult`].
+    /// [`Step`].
     pub(super) fn data(&self) -> Increment<'_> {
         let Stage { force, gap, mu, w_t_last, w_o_last, .. } = &*self.stage;
         Increment { force, gap, mu, w_t_last, w_o_last }
@@ -176,17 +176,17 @@ impl IncrementDriver<'_> {
                     touch = touch.filter(|touch| touch - from > NEAREST * length && *touch < end);
                 }
             }
-            so_far.add(substep.solved.clone());
+            so_far.sum.solved = so_far.sum.solved.then(substep.solved.clone());
             if let Some(touch) = touch {
                 self.go_back(rollback);
                 so_far.pending.push(touch);
                 (touches_left, divided) = (touches_left - 1, true);
             } else if is_solved {
                 divided = false;
-                so_far.friction_work += self.body.problem.friction_work(&self.data(), &substep.state);
+                so_far.sum.friction_work += self.body.problem.friction_work(&self.data(), &substep.state);
                 self.accept(end, &substep);
-                so_far.kkt = so_far.kkt.max(&substep.kkt);
-                so_far.ends.push(end);
+                so_far.sum.kkt = so_far.sum.kkt.max(&substep.kkt);
+                so_far.sum.ends.push(end);
                 so_far.pending.pop();
                 let result = so_far.up_to(substep);
                 if so_far.pending.is_empty() {
@@ -218,7 +218,7 @@ impl IncrementDriver<'_> {
                 if part < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let slips = substep.status == Status::Slips;
                     let slip = slips.then_some(Slip { by: end, p_n: rollback.state.p_n });
-                    let result = StepResult { slip, ..so_far.up_to(substep) };
+                    let result = Step { slip, ..so_far.up_to(substep) };
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.go_back(rollback);
@@ -233,7 +233,7 @@ impl IncrementDriver<'_> {
         time: f64,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<(StepResult, SubstepInput), LinearError> {
+    ) -> Result<(Step, SubstepInput), LinearError> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         Ok((self.conclude(time, &input.scales, outcome, linear)?, input))
@@ -289,7 +289,7 @@ impl IncrementDriver<'_> {
             } else {
                 Termination::NoEquilibrium(motion)
             };
-            return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
+            return Ok(MethodResult { stop, ..MethodResult::nothing() });
         }
         let Some(response) = self.stage.response(body, settings, (input.begins, time), linear)? else {
             return Ok(MethodResult {
@@ -328,7 +328,7 @@ impl IncrementDriver<'_> {
         scales: &KktScales,
         outcome: MethodResult,
         linear: &mut RefinedSolver,
-    ) -> Result<StepResult, LinearError> {
+    ) -> Result<Step, LinearError> {
         let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
         let recovered = self.body.recovered(time, method.state(), force)?;
         let mut contact = Linearized::new(method.as_mut(), linear, self.body.solved().0, self.settings.scaling);
@@ -343,7 +343,7 @@ impl IncrementDriver<'_> {
         scales: &KktScales,
         outcome: MethodResult,
         recovered: RecoveredState,
-    ) -> Result<StepResult, LinearError> {
+    ) -> Result<Step, LinearError> {
         let RecoveredState { state, backward_error, .. } = recovered;
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
@@ -352,14 +352,14 @@ impl IncrementDriver<'_> {
         let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;
         let (kkt, scales) = (judgement.errors(), judgement.scales());
         let status = record::verdict(&solved, &kkt, tolerance);
-        Ok(StepResult { solved, state, scales, kkt, status, slip: None, ends: Vec::new(), friction_work: 0.0 })
+        Ok(Step { solved, state, scales, kkt, status, ..Step::default() })
     }
 
     /// Returns the larger working set needed after a `substep`, or `None` if the present one suffices.
     ///
     /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
     /// reported only after all nodes have been included.
-    fn lack(&self, substep: &StepResult) -> Result<Option<MissingNodes>, LinearError> {
+    fn lack(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
         let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
         let Some(held) = self.body.nodes() else { return Ok(None) };
         if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
@@ -388,7 +388,7 @@ impl IncrementDriver<'_> {
         Some(time)
     }
 
-    fn accept(&mut self, time: f64, substep: &StepResult) {
+    fn accept(&mut self, time: f64, substep: &Step) {
         if self.body.nodes().is_some() {
             self.history.state = Some(substep.state.clone());
         }
@@ -423,7 +423,7 @@ impl IncrementDriver<'_> {
     }
 
     /// Returns `true` if a smaller substep could converge.
-    fn smaller_may_do(&self, substep: &StepResult) -> Result<bool, LinearError> {
+    fn smaller_may_do(&self, substep: &Step) -> Result<bool, LinearError> {
         match substep.status {
             Status::Converged
             | Status::Interrupted
@@ -434,7 +434,7 @@ impl IncrementDriver<'_> {
             Status::Slips | Status::NoEquilibrium => Ok(true),
             // If rounding sets the limit, it does so at any load.
             _ => {
-                let StepResult { state, scales, kkt, .. } = substep;
+                let Step { state, scales, kkt, .. } = substep;
                 let data = self.data();
                 let rounding =
                     Judgement::near(self.body.problem, &data, state, scales, self.settings.tolerance)?.rounding();

@@ -1,6 +1,6 @@
 //! The records and verdicts of increments.
 
-use super::state::StepResult;
+use super::state::Step;
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::solver::checkpoint::Checkpoint;
 use crate::solver::events::Event;
@@ -302,46 +302,13 @@ impl IncrementObserver<'_> {
         &mut self,
         time: f64,
         data: &Increment<'_>,
-        result: &StepResult,
+        result: &Step,
         increment: &Increment<'_>,
         state: &State,
     ) {
         let statuses = statuses_of(self.problem, data, &result.state);
-        let counts = ContactCounts::of(&statuses);
-        let record = record(self.problem, data.force, self.index, time, result, counts, Seconds::default());
+        let at = (self.index, time, data.force);
+        let record = result.record(self.problem, at, &statuses, Seconds::default());
         self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
-    }
-}
-
-/// Creates the record of an increment, or of an increment so far.
-pub(super) fn record(
-    problem: &ContactProblem,
-    force: &[f64],
-    index: usize,
-    time: f64,
-    result: &StepResult,
-    contact: ContactCounts,
-    seconds: Seconds,
-) -> IncrementRecord {
-    let solved = &result.solved;
-    IncrementRecord {
-        index,
-        time,
-        status: result.status,
-        parts: result.ends.len(),
-        part_ends: if result.ends == [time] { Vec::new() } else { result.ends.clone() },
-        joined: 0,
-        jumps: 0,
-        attempts: solved.attempts,
-        rescued: solved.rescued,
-        iterations: solved.iterations,
-        backtracks: solved.backtracks,
-        theta: solved.theta,
-        kkt: result.kkt,
-        backward_error: solved.backward_error,
-        contact,
-        friction_work: result.friction_work,
-        strain_energy: problem.energy_in_equilibrium(force, &result.state),
-        seconds,
     }
 }

@@ -8,9 +8,10 @@
 //! unknowns are displacements relative to the offset, and the obstacles move the opposite way.
 
 use super::increment_error::IncrementErrors;
+use super::record::{ContactCounts, IncrementRecord, Seconds};
 use super::{Slip, Status};
 use crate::algebra::sparse::{Csr, sum};
-use crate::solver::laws::{KktErrors, KktScales};
+use crate::solver::laws::{ContactStatus, KktErrors, KktScales};
 use crate::solver::newton::MethodResult;
 use crate::solver::problem::{ContactProblem, State};
 use serde::{Deserialize, Serialize};
@@ -54,14 +55,8 @@ pub(super) struct IncrementInProgress {
     pub start: f64,
     /// The ends of the pending substeps, s, in descending order.
     pub pending: Vec<f64>,
-    /// The accumulated method result.
-    pub solved: Option<MethodResult>,
-    /// The largest errors of the substeps that converged.
-    pub kkt: KktErrors,
-    /// The ends (s) of the substeps that converged.
-    pub ends: Vec<f64>,
-    /// The work that friction dissipated in the substeps that converged, J.
-    pub friction_work: f64,
+    /// The sum of the substeps so far, with the state of none.
+    pub sum: Step,
 }
 
 impl HistoryState {
@@ -99,35 +94,53 @@ impl HistoryState {
 impl IncrementInProgress {
     /// Creates an increment from `start` to `end` (s).
     pub(super) fn new(start: f64, end: f64) -> Self {
-        IncrementInProgress {
-            start,
-            pending: vec![end],
-            solved: None,
-            kkt: KktErrors::default(),
-            ends: Vec::new(),
-            friction_work: 0.0,
-        }
-    }
-
-    /// Adds a result of the method.
-    pub(super) fn add(&mut self, solved: MethodResult) {
-        self.solved = Some(match self.solved.take() {
-            Some(before) => before.then(solved),
-            None => solved,
-        });
+        IncrementInProgress { start, pending: vec![end], sum: Step::default() }
     }
 
     /// Returns the increment up to the end of the last `substep`, with the errors of all substeps that count: all that
     /// converged, or the one that failed.
-    pub(super) fn up_to(&self, substep: StepResult) -> StepResult {
-        let kkt = if substep.status == Status::Converged { self.kkt } else { substep.kkt };
-        let solved = self.solved.clone().unwrap_or(substep.solved);
-        StepResult { solved, kkt, ends: self.ends.clone(), friction_work: self.friction_work, ..substep }
+    pub(super) fn up_to(&self, substep: Step) -> Step {
+        let Step { solved, ends, friction_work, .. } = self.sum.clone();
+        let kkt = if substep.status == Status::Converged { self.sum.kkt } else { substep.kkt };
+        Step { solved, kkt, ends, friction_work, ..substep }
     }
 }
 
-/// The result of a substep, or of an increment.
-pub(super) struct StepResult {
+impl Step {
+    /// Creates the record of this substep or increment, which ends at `time` (s) under the external `force`.
+    pub(super) fn record(
+        &self,
+        problem: &ContactProblem,
+        (index, time, force): (usize, f64, &[f64]),
+        statuses: &[ContactStatus],
+        seconds: Seconds,
+    ) -> IncrementRecord {
+        let MethodResult { attempts, rescued, iterations, backtracks, theta, backward_error, .. } = self.solved;
+        IncrementRecord {
+            index,
+            time,
+            status: self.status,
+            parts: self.ends.len(),
+            part_ends: if self.ends == [time] { Vec::new() } else { self.ends.clone() },
+            attempts,
+            rescued,
+            iterations,
+            backtracks,
+            theta,
+            kkt: self.kkt,
+            backward_error,
+            contact: ContactCounts::of(statuses),
+            friction_work: self.friction_work,
+            strain_energy: problem.energy_in_equilibrium(force, &self.state),
+            seconds,
+            ..IncrementRecord::default()
+        }
+    }
+}
+
+/// The result of a substep, or of an increment: the sum of its substeps.
+#[derive(Clone)]
+pub(super) struct Step {
     /// The result of the method, over all substeps of an increment, including failed ones.
     pub solved: MethodResult,
     /// The state at the end of the last substep, and the scales of its error measure.
@@ -142,6 +155,22 @@ pub(super) struct StepResult {
     pub ends: Vec<f64>,
     /// The work that friction dissipated in these substeps, J.
     pub friction_work: f64,
+}
+
+impl Default for Step {
+    /// Creates the sum of no substeps.
+    fn default() -> Self {
+        Step {
+            solved: MethodResult::nothing(),
+            state: State::default(),
+            scales: KktScales::default(),
+            kkt: KktErrors::default(),
+            status: Status::Converged,
+            slip: None,
+            ends: Vec::new(),
+            friction_work: 0.0,
+        }
+    }
 }
 
 /// A rigid motion of the body, as displacements and motions of the contact nodes.

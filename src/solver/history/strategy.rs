@@ -7,10 +7,10 @@
 //! | the interior point method | ten times that distance | 30 iterations |
 //! | the interior point method | a hundred times that distance | the iterations that are left |
 //!
-//! If a state shows that the body slides whatever is tried (`slip.rs`), nothing is. It is looked for before the first attempt
+//! If a state shows that the body slides whatever is tried (see below), nothing is. It is looked for before the first attempt
 //! and after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
 //! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
-//! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
+//! times (`increment.rs`). A method of the paper is not in this table: `settings.rs` creates it alone, and its increments
 //! are not halved.
 //!
 //! | of 615 random scenes | converge |
@@ -117,7 +117,7 @@ impl Strategy {
         let load = Load { force: increment.force, sizes: &sizes };
         let BnMethod { formulation, bn, .. } = &mut *self.bn;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let mut result = MethodResult { attempts: 0, ..MethodResult::new(f64::NAN) };
+        let mut result = MethodResult::nothing();
         // Without pressure nothing is known of the contact.
         let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
         let rounds = if presses { ROUNDS } else { 0 };

@@ -86,7 +86,7 @@ impl Bn {
             if full_step && !changed && formulation.refer_to(z) {
                 theta = clock.time(|| self.evaluate(formulation, z))?;
             }
-            let mut backward_error = match self.direction(formulation, linear, factored)? {
+            let backward_error = match self.direction(formulation, linear, factored)? {
                 Ok(error) => error,
                 Err(stop) => {
                     outcome.stop = stop;
@@ -97,19 +97,20 @@ impl Bn {
             // Step 3: the step size (12), and the step. A full step repeated with the same matrix refines a solution
             // and needs no search.
             let repeated = end.is_measured() && full_step && !changed;
-            let (mut step, mut backtracks) =
-                if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
-            if end.is_measured() && backtracks == self.armijo.max_backtracks {
-                let last = Branch { step, backtracks, backward_error, solves: 0 };
-                let ahead = self.branch_ahead(last, formulation, linear, z, theta)?;
-                Branch { step, backtracks, backward_error, .. } = ahead;
-                outcome.iterations += ahead.solves;
+            let mut branch = Branch { step: 1.0, backtracks: 0, backward_error, solves: 0 };
+            if !repeated {
+                (branch.step, branch.backtracks) = clock.time(|| self.step_size(formulation, z, theta));
             }
+            if end.is_measured() && branch.backtracks == self.armijo.max_backtracks {
+                self.branch_ahead(&mut branch, formulation, linear, z, theta)?;
+            }
+            let Branch { step, backtracks, backward_error, solves } = branch;
             theta = clock.time(|| {
                 z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
                 self.evaluate(formulation, z)
             })?;
             full_step = step == 1.0;
+            outcome.iterations += solves;
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
@@ -120,10 +121,9 @@ impl Bn {
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;
-                match formulation.unconstrained_mode() {
-                    None => outcome.stop = Termination::Stalled,
-                    Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z)?,
-                    Some(motion) => outcome.stop = Termination::Unconstrained(motion),
+                match self.motion_ahead(formulation, z, met) {
+                    None => theta = self.evaluate(formulation, z)?,
+                    Some(stop) => outcome.stop = stop,
                 }
             }
             if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
