@@ -1,6 +1,6 @@
 //! BN along a history. Every increment starts from the last solution; with default constants, on the tangent there.
 
-use super::increment_error::{IncrementErrors, Rate};
+use super::increment_error::{IncrementErrors, Linearised, Rate};
 use super::method::Method;
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
@@ -94,7 +94,7 @@ impl BnMethod {
                 let change: Vec<f64> = ahead.iter().zip(from).map(|(ahead, z)| ahead - z).collect();
                 Some(errors.rate_of(&change, task.increment, formulation))
             }
-            (Some(errors), ..) => errors.rate(task.increment, formulation, bn, linear)?,
+            (Some(errors), ..) => errors.rate(task.increment, &mut Linearised { formulation, bn, linear })?,
             (None, ..) => None,
         };
         Ok(())
@@ -103,9 +103,8 @@ impl BnMethod {
     /// Updates the estimated time-step error after the increment that ends at the present solution.
     pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { formulation, bn, z, errors, rate, .. } = self;
-        errors
-            .as_mut()
-            .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
+        let (rate, at) = (rate.take(), &mut Linearised { formulation, bn, linear });
+        errors.as_mut().map_or(Ok(()), |errors| errors.follow(rate.as_ref(), problem.weight(), at, z))
     }
 
     /// Returns `true` if the response of the body with clamped contact nodes already solves the increment.
