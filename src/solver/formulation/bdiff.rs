@@ -124,11 +124,7 @@ impl Bdiff {
                     Some(rest) => data.slip_beyond(i, z, rest),
                 };
                 let tangential = rows.tangential(data, i, data.friction(i, z), pressure, slip);
-                for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
-                    if let Some(k) = k {
-                        h[k] = row;
-                    }
-                }
+                data.layout.set_tangential(i, tangential, h);
             }
         }
     }
@@ -296,11 +292,8 @@ impl Bdiff {
         }
         for i in 0..self.layout().contacts() {
             let Some((_, Some(TangentialCase::Slip { direction, .. }))) = self.cases[i] else { continue };
-            for (k, n) in self.layout().tangential(i).into_iter().zip(direction) {
-                if let Some(k) = k {
-                    h[k] -= self.data.mu[i] * n * h[self.layout().p_n(i)];
-                }
-            }
+            let (h_n, h_t) = (h[self.layout().p_n(i)], self.data.friction(i, h));
+            self.layout().set_tangential(i, [0, 1].map(|d| h_t[d] - self.data.mu[i] * direction[d] * h_n), h);
         }
     }
 
@@ -411,11 +404,7 @@ impl Bdiff {
                     data.mu[i] * direction[d] * z[p_n] - p[d] + turned
                 }),
             };
-            for (k, row) in data.layout.tangential(i).into_iter().zip(row) {
-                if let Some(k) = k {
-                    h[k] = row;
-                }
-            }
+            data.layout.set_tangential(i, row, &mut h);
         }
         Ok(h)
     }
@@ -431,11 +420,7 @@ impl Bdiff {
                 continue;
             }
             let along = direction(data.slip(i, data.tangential(i, z)));
-            for (k, n) in data.layout.tangential(i).into_iter().zip(along) {
-                if let Some(k) = k {
-                    z[k] = data.mu[i] * trial * n;
-                }
-            }
+            data.layout.set_tangential(i, along.map(|n| data.mu[i] * trial * n), z);
         }
     }
 }
@@ -501,11 +486,7 @@ impl Bdiff {
                 }
                 Some(TangentialCase::NoPressure) | None => continue,
             };
-            for (place, moved) in self.layout().tangential(i).into_iter().zip(moved) {
-                if let Some(place) = place {
-                    b[place] = self.rows.r_t[i] * moved;
-                }
-            }
+            self.layout().set_tangential(i, moved.map(|moved| self.rows.r_t[i] * moved), &mut b);
         }
         b
     }

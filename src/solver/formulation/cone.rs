@@ -99,11 +99,7 @@ impl InteriorPoint for ConeSystem {
         let Some((node, pair)) = self.node(i, z) else { return };
         let data = &self.paired.data;
         let slip = data.slip(i, data.tangential(i, z));
-        for ((k, slip), e) in data.layout.tangential(i).into_iter().zip(slip).zip(node.e) {
-            if let Some(k) = k {
-                h[k] = 2.0 * node.lambda * e - slip;
-            }
-        }
+        data.layout.set_tangential(i, [0, 1].map(|d| 2.0 * node.lambda * node.e[d] - slip[d]), h);
         h[pair.force] = node.s - node.mu * z[data.layout.p_n(i)] * (1.0 - dot(node.e, node.e));
     }
 
@@ -135,11 +131,9 @@ impl InteriorPoint for ConeSystem {
     fn reduce_friction(&self, i: usize, z: &[f64], b: &[f64], rhs: &mut [f64]) {
         let Some((node, pair)) = self.node(i, z) else { return };
         let multiplier = b[pair.length] - node.lambda * b[pair.force];
-        for (k, e) in self.paired.data.layout.tangential(i).into_iter().zip(node.e) {
-            if let Some(k) = k {
-                rhs[k] = (node.s * b[k] - 2.0 * e * multiplier) / self.paired.row_scale[i][1];
-            }
-        }
+        let (b, scale) = (self.paired.data.friction(i, b), self.paired.row_scale[i][1]);
+        let rows = [0, 1].map(|d| (node.s * b[d] - 2.0 * node.e[d] * multiplier) / scale);
+        self.forces().set_tangential(i, rows, rhs);
     }
 
     fn recover_friction(&self, i: usize, z: &[f64], b: &[f64], dz: &mut [f64]) {
@@ -160,18 +154,14 @@ impl InteriorPoint for ConeSystem {
         for i in 0..layout.contacts() {
             let (p_n, v_n) = self.paired.normal(i);
             (z[p_n], z[v_n]) = (force, length);
-            layout.tangential(i).into_iter().flatten().for_each(|k| z[k] = 0.0);
+            layout.set_tangential(i, [0.0; 2], z);
             if let Some(pair) = self.friction[i] {
                 let (mu, slip) = (data.mu[i], data.slip_beyond_reach(i, z, length));
                 // With |p_T| = e ρ along the slip and e / (1 - e²) = far, both equations of friction hold, and the
                 // product of the pair equals that without slip.
                 let far = 0.5 * mu * size(slip) / length;
                 let inside = 2.0 / (1.0 + 1.0_f64.hypot(2.0 * far));
-                for (k, n) in layout.tangential(i).into_iter().zip(direction(slip)) {
-                    if let Some(k) = k {
-                        z[k] = inside * far * mu * force * n;
-                    }
-                }
+                layout.set_tangential(i, direction(slip).map(|n| inside * far * mu * force * n), z);
                 (z[pair.force], z[pair.length]) = (mu * force * inside, length / mu / inside);
             }
         }
