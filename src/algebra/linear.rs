@@ -28,6 +28,7 @@ mod partial;
 pub mod process;
 mod refine;
 mod stiffness;
+mod supernodal;
 #[cfg(feature = "umfpack")]
 mod sys;
 mod system;

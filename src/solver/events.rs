@@ -17,7 +17,8 @@
 //! | content | file |
 //! | --- | --- |
 //! | the exact path and its snapshots; the data along it | `walk.rs`, `stretch.rs` |
-//! | the rate problem, its laws, and the search for its statuses | `rate.rs` |
+//! | the rate problem and its laws | `rate_problem.rs` |
+//! | the search for its statuses | `rate.rs` |
 //! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs` |
 //! | the linear equations of given statuses: sparse, and refined in twice the precision for slender bodies | `tangent.rs` |
 //! | dense equations: changes of rank one | `dictionary.rs` |
@@ -56,6 +57,7 @@ mod coordinates;
 mod dictionary;
 mod node;
 mod rate;
+mod rate_problem;
 mod stretch;
 mod tangent;
 mod walk;
@@ -63,7 +65,7 @@ mod walk;
 use serde::{Deserialize, Serialize};
 
 pub use node::NodeStatus;
-pub use rate::Effort;
+pub use rate_problem::Effort;
 pub use walk::ExactPath;
 pub(crate) use walk::SavedExactPath;
 

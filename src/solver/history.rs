@@ -6,8 +6,8 @@
 //! | BN and IP along a history: starts and snapshots (the algorithms are in `newton/`) | `bn.rs`, `ip.rs` |
 //! | the default interior point method | `predictor_corrector.rs` |
 //! | what is tried for an increment, in which order; joints that slip as a whole | `strategy.rs` |
-//! | what a user chooses: increments with an algorithm ([`Method`]) or the exact path, tolerance, linear solver | `method.rs` |
-//! | the settings of a history, and the construction of its method | `settings.rs` |
+//! | the algorithm of an increment ([`Method`]), its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
+//! | what a user chooses: increments or the exact path, tolerance, linear solver | `choice.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
 //! | one increment: its substeps, its verdict and its working set | `increment.rs` |
 //! | the loop over increments, within a loop over stages | `driver.rs` |
@@ -40,8 +40,10 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod algorithm;
 mod bn;
 mod body;
+mod choice;
 mod driver;
 mod events;
 mod first_touch;
@@ -73,11 +75,12 @@ use serde::{Deserialize, Serialize};
 use state::HistoryState;
 use std::time::Instant;
 
+pub use choice::{HistoryMethod, SolverChoice};
 pub use events::{ExactPathSettings, follow_exact_path};
 pub(crate) use events::{JumpSolver, RestartPoint};
 pub use increment::WorkingSet;
 pub use increment_error::{IncrementError, IncrementErrors};
-pub use method::{HistoryMethod, Method, SolverChoice, Start};
+pub use method::{Method, Start};
 pub use record::{ContactCounts, IncrementRecord, IncrementView, Observer, Seconds, Status, Tally};
 pub use saved::Snapshot;
 pub use settings::HistorySettings;

@@ -6,8 +6,8 @@
 use std::ffi::{c_int, c_void};
 use std::ptr::{self, NonNull};
 
-use super::cholesky::{Supernodal, Supernode};
 use super::process::blas::room;
+use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, ordering, sys, versions};
 use crate::algebra::sparse::{Csc, Pattern};
 

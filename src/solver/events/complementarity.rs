@@ -21,7 +21,7 @@
 //! Complementarity Problem, 1992, section 4.4).
 
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus};
-use super::rate::{RateProblem, RateSearch};
+use super::rate_problem::{RateProblem, RateSearch};
 use crate::algebra::linear::LinearError;
 
 /// The kind of the unknowns.
@@ -280,7 +280,7 @@ mod tests {
     use crate::algebra::linear::RefinedSolver;
     use crate::algebra::sparse::{Csr, Symmetric};
     use crate::base::units::Scaling;
-    use crate::solver::events::rate::Effort;
+    use crate::solver::events::rate_problem::Effort;
     use crate::solver::events::tangent::SparseTangent;
     use crate::solver::problem::{ContactProblem, Parts};
 

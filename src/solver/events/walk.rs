@@ -2,7 +2,8 @@
 
 use super::dictionary::Dictionary;
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
-use super::rate::{Effort, Found, RATE_ROUNDING, RateProblem, RateSearch};
+use super::rate::Found;
+use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem, RateSearch};
 use super::stretch::{PathLoads, Stretch};
 use super::tangent::{Refined, SparseTangent, Taken, Tangent};
 use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};

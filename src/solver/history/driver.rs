@@ -1,8 +1,8 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
 use super::body::Body;
-use super::increment::{IncrementDriver, IncrementEnd, WorkingSet};
-use super::record::{IncrementObserver, IncrementRecord, IncrementView, Observer, Seconds, Status};
+use super::increment::{IncrementDriver, IncrementEnd, IncrementObserver, WorkingSet};
+use super::record::{IncrementRecord, IncrementView, Observer, Seconds, Status};
 use super::saved::{RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;

@@ -15,18 +15,19 @@
 
 use super::body::{Body, RecoveredState};
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::record::{IncrementObserver, is_solution};
+use super::record::{IncrementView, Observer, Seconds, is_solution};
 use super::settings::HistorySettings;
 use super::stage::{Linearized, Stage};
 use super::state::{HistoryState, IncrementInProgress, RigidOffset, Step};
 use super::task::{Observe, Task};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::solver::laws::{Judgement, KktScales};
-use crate::solver::newton::{MethodResult, Termination};
-use crate::solver::problem::{Increment, State};
+use crate::solver::laws::{Judgement, KktScales, statuses_of};
+use crate::solver::newton::{Iteration, MethodResult, Termination};
+use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
 use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
 /// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
 /// body that slides in a plane move far, until friction has turned.
@@ -97,6 +98,38 @@ struct MissingNodes {
     nodes: Vec<usize>,
     /// `true` if the last state solves the equations of the smaller set.
     solved: bool,
+}
+
+/// The observer of increment `index`.
+pub(super) struct IncrementObserver<'a> {
+    pub problem: &'a ContactProblem,
+    pub index: usize,
+    pub observer: &'a mut dyn Observer,
+}
+
+impl IncrementObserver<'_> {
+    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
+        let flow = iteration
+            .system
+            .map_or(ControlFlow::Continue(()), |system| self.observer.linear_system(self.index, &system));
+        if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
+    }
+
+    /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
+    /// `increment` and `state` relative to the initial configuration.
+    pub(super) fn part(
+        &mut self,
+        time: f64,
+        data: &Increment<'_>,
+        result: &Step,
+        increment: &Increment<'_>,
+        state: &State,
+    ) {
+        let statuses = statuses_of(self.problem, data, &result.state);
+        let at = (self.index, time, data.force);
+        let record = result.record(self.problem, at, &statuses, Seconds::default());
+        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
+    }
 }
 
 impl IncrementDriver<'_> {

@@ -1,12 +1,11 @@
 //! The records and verdicts of increments.
 
-use super::state::Step;
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::solver::checkpoint::Checkpoint;
 use crate::solver::events::Event;
-use crate::solver::laws::{ContactStatus, KktErrors, statuses_of};
-use crate::solver::newton::{Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
-use crate::solver::problem::{ContactProblem, Increment, State};
+use crate::solver::laws::{ContactStatus, KktErrors};
+use crate::solver::newton::{IterationRecord, LinearSystem, MethodResult, Termination};
+use crate::solver::problem::{Increment, State};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::ops::ControlFlow;
@@ -280,35 +279,3 @@ pub trait Observer {
 
 /// An observer that does nothing.
 impl Observer for () {}
-
-/// The observer of increment `index`.
-pub(super) struct IncrementObserver<'a> {
-    pub problem: &'a ContactProblem,
-    pub index: usize,
-    pub observer: &'a mut dyn Observer,
-}
-
-impl IncrementObserver<'_> {
-    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
-        let flow = iteration
-            .system
-            .map_or(ControlFlow::Continue(()), |system| self.observer.linear_system(self.index, &system));
-        if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
-    }
-
-    /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
-    /// `increment` and `state` relative to the initial configuration.
-    pub(super) fn part(
-        &mut self,
-        time: f64,
-        data: &Increment<'_>,
-        result: &Step,
-        increment: &Increment<'_>,
-        state: &State,
-    ) {
-        let statuses = statuses_of(self.problem, data, &result.state);
-        let at = (self.index, time, data.force);
-        let record = result.record(self.problem, at, &statuses, Seconds::default());
-        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
-    }
-}

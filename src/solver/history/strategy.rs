@@ -10,7 +10,7 @@
 //! If a state shows that the body slides whatever is tried (see below), nothing is. It is looked for before the first attempt
 //! and after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
 //! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
-//! times (`increment.rs`). A method of the paper is not in this table: `settings.rs` creates it alone, and its increments
+//! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
 //! are not halved.
 //!
 //! | of 615 random scenes | converge |

@@ -15,7 +15,7 @@ use faer::sparse::{FaerError, SparseColMatRef};
 use faer::{Side, Spec};
 
 use super::{Indices, memory, out_of_memory, parallelism, permutation};
-use crate::algebra::linear::cholesky::{Supernodal, Supernode};
+use crate::algebra::linear::supernodal::{Supernodal, Supernode};
 use crate::algebra::linear::{FactorInfo, LinearError};
 use crate::algebra::sparse::{Csc, Pattern};
 
