@@ -14,9 +14,9 @@
 //! contact holds the body, the base of free nodes is singular. In the other base the nodes are clamped, and leave it
 //! by motions.
 //!
-//! Lemke's method for a linear complementarity problem.
+//! # Lemke's method for a linear complementarity problem
 //!
-//! Finds `z ≥ 0` with `q + M z ≥ 0` and `zᵀ (q + M z) = 0`. An artificial variable is added to every row, large
+//! It finds `z ≥ 0` with `q + M z ≥ 0` and `zᵀ (q + M z) = 0`. An artificial variable is added to every row, large
 //! enough that `z = 0` is feasible. Complementary pivots then remove it again (Cottle, Pang, Stone, The Linear
 //! Complementarity Problem, 1992, section 4.4).
 

@@ -1,7 +1,9 @@
-//! The linear equations of the contact nodes while no status changes.
+//! The linear equations of the contact nodes while no status changes, as a sparse system: one factorisation for each set of
+//! statuses, on one pattern.
 //!
-//! Solutions in twice the working precision, for cases where rounding of elastic forces would decide between
-//! statuses.
+//! # Solutions in twice the working precision
+//!
+//! They serve where rounding of elastic forces would decide between statuses.
 //!
 //! In slender bodies elastic forces are small differences of large numbers. If a body slides as a whole, the rates of
 //! all forces are nothing but rounding. The residual of a solution is then computed in twice the precision, and the

@@ -1,6 +1,6 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
 //!
-//! The change of a solution with the data of the increments, by the last linearisation.
+//! # The change of a solution with the data of the increments, by the last linearisation
 //!
 //! While no contact node changes its case, the equations of an increment are affine (if slip turns, to first order)
 //! and have the matrix of the last linearisation: one substitution leads from a solution to the next.

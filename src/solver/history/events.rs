@@ -1,7 +1,9 @@
 //! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
 //! the path.
 //!
-//! Jumps: increments beyond the end of the quasi-static motion, to a state that the laws of an increment allow.
+//! # Jumps
+//!
+//! A jump is an increment beyond the end of the quasi-static motion, to a state that the laws of an increment allow.
 //!
 //! Which of these states a body reaches is a question of dynamics. Newton's method starts from the last state, the
 //! interior point method from a point of its own. If neither reaches the end of the increment, both try half of the

@@ -7,7 +7,9 @@
 //! A joint that slips as a whole at the end of a substep (`strategy.rs`) gives way where the work of the loads reaches that of
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
 //!
-//! The working set of an active set method: the contact nodes in condensed equations.
+//! # The working set
+//!
+//! The working set of an active set method is that of the contact nodes in condensed equations.
 //!
 //! Open nodes have `p = 0`. A state without some nodes therefore satisfies all laws if these nodes do not penetrate
 //! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working

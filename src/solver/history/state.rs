@@ -1,6 +1,6 @@
 //! The progress of a history.
 //!
-//! The rigid offset of a body that only contact holds.
+//! # The rigid offset of a body that only contact holds
 //!
 //! Such a body may move by a million times its deformation before it comes to rest, which would destroy the accuracy
 //! of its forces: `K u` is rounded to `ε |K| |u|`. A method that starts far away also closes and opens contacts that

@@ -20,7 +20,9 @@
 //! | the interior point method from the first start | 472 |
 //! | the interior point method from the first two starts | 477 |
 //!
-//! The slip of a joint as a whole: the criterion by which an increment that does not converge has no equilibrium at its end.
+//! # The slip of a joint as a whole
+//!
+//! This is the criterion by which an increment that does not converge has no equilibrium at its end.
 //!
 //! Let a rigid motion `v` move the body along its contact, and let friction act against `v` at every node that presses.
 //! The equations of this *sliding state*, with a drag along `v`, have neither a history nor a slip: they depend

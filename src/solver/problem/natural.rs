@@ -1,9 +1,9 @@
 //! The natural units of a problem: what the error measure compares forces and motions with, whatever units single
 //! unknowns and rows have.
 //!
-//! The stiffness of a contact node against a force on it: the scale of `r`.
+//! The stiffness of a contact node against a force on it is the scale of `r`.
 //!
-//! Contact rows that depend on each other, so that their forces are not unique.
+//! # Contact rows that depend on each other, so that their forces are not unique
 //!
 //! Where rows of `C` are linearly dependent, the contact forces have the same effect on the body if any relation of the rows
 //! is added to them. The methods then find those that keep the friction of the last increment if they can, and have the least

@@ -3,7 +3,7 @@
 //! The solves of the backends have no border: they would include `L_cc` and leave `L_cr` to a second pass over the
 //! factors. The blocks are so small that calling a matrix product for each would cost more than its work.
 //!
-//! The elimination tree in branches, which can be swept at the same time.
+//! # The elimination tree in branches, which can be swept at the same time
 //!
 //! A supernode changes only its ancestors in a forward substitution, and reads only them in a backward one. Branches, subtrees
 //! without common supernodes, are therefore independent of each other. What is left of the tree, the trunk, comes after them in a
