@@ -1,6 +1,6 @@
 //! BN along a history. Every increment starts from the last solution; with default constants, on the tangent there.
 
-use super::increment_error::{IncrementErrors, Linearised, Rate};
+use super::increment_error::{ErrorEquations, IncrementErrors, Rate};
 use super::method::Method;
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
@@ -94,7 +94,7 @@ impl BnMethod {
                 let change: Vec<f64> = ahead.iter().zip(from).map(|(ahead, z)| ahead - z).collect();
                 Some(errors.rate_of(&change, task.increment, formulation))
             }
-            (Some(errors), ..) => errors.rate(task.increment, &mut Linearised { formulation, bn, linear })?,
+            (Some(errors), ..) => errors.rate(task.increment, &mut ErrorEquations { formulation, bn, linear })?,
             (None, ..) => None,
         };
         Ok(())
@@ -103,7 +103,7 @@ impl BnMethod {
     /// Updates the estimated time-step error after the increment that ends at the present solution.
     pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { formulation, bn, z, errors, rate, .. } = self;
-        let (rate, at) = (rate.take(), &mut Linearised { formulation, bn, linear });
+        let (rate, at) = (rate.take(), &mut ErrorEquations { formulation, bn, linear });
         errors.as_mut().map_or(Ok(()), |errors| errors.follow(rate.as_ref(), problem.weight(), at, z))
     }
 

@@ -237,7 +237,7 @@ impl ExactHistory<'_> {
     ) -> Result<(), LinearError> {
         let (problem, _) = self.body.solved();
         let (state, now) = (self.path.state(), self.path.time());
-        let data = StepData::by(&self.path, problem, step_start);
+        let data = StepData::of(problem, now, self.path.given(), step_start);
         let increment = data.increment();
         let judgement = Judgement::near(problem, &increment, &state, &self.scales[0], self.settings.tolerance)?;
         in_progress.sum.kkt = in_progress.sum.kkt.max(&judgement.errors());
@@ -396,18 +396,20 @@ impl StepData {
     fn new(problem: &ContactProblem, loading: &Loading, time: f64, step_start: &StepStart) -> Self {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(time, &mut force);
-        let w_last = [0, 1].map(|k| {
-            let drift = loading.drift_at(time, k);
-            step_start.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
-        });
-        StepData { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+        let drift = [0, 1].map(|k| loading.drift_at(time, k));
+        Self::of(problem, time, (force, loading.gaps_at(time), drift), step_start)
     }
 
-    /// Creates the data of a step of `walk` on `problem`.
-    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, step_start: &StepStart) -> Self {
-        let (force, gap, drift) = walk.given();
+    /// Creates the data of a step from `step_start` to `time` from the forces, the gaps and the motions of the obstacles
+    /// then.
+    fn of(
+        problem: &ContactProblem,
+        time: f64,
+        (force, gap, drift): (Vec<f64>, Vec<f64>, [Vec<f64>; 2]),
+        step_start: &StepStart,
+    ) -> Self {
         let past = |k: usize| step_start.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
-        StepData { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
+        StepData { time, force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 
     fn increment(&self) -> Increment<'_> {

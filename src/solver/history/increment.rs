@@ -366,24 +366,13 @@ impl IncrementDriver<'_> {
     ) -> Result<Step, LinearError> {
         let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
         let recovered = self.body.recovered(time, method.state(), force)?;
-        let mut contact = Linearized::new(method.as_mut(), linear, self.body.solved().0, self.settings.scaling);
-        let before = (&Increment { force, gap, mu, w_t_last, w_o_last }, scales, self.settings.tolerance);
-        let recovered = self.body.refined(recovered, before, &mut contact)?;
-        self.judged(scales, outcome, recovered)
-    }
-
-    /// Judges a state under the data of the substep tried last.
-    fn judged(
-        &mut self,
-        scales: &KktScales,
-        outcome: MethodResult,
-        recovered: RecoveredState,
-    ) -> Result<Step, LinearError> {
+        let (method, problem, scaling) = (method.as_mut(), self.body.solved().0, self.settings.scaling);
+        let mut contact = Linearized { method, linear, problem, scaling, change: Vec::new() };
+        let (data, tolerance) = (Increment { force, gap, mu, w_t_last, w_o_last }, self.settings.tolerance);
+        let recovered = self.body.refined(recovered, (&data, scales, tolerance), &mut contact)?;
         let RecoveredState { state, backward_error, .. } = recovered;
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
-        let tolerance = self.settings.tolerance;
-        let data = self.data();
         let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;
         let (kkt, scales) = (judgement.errors(), judgement.scales());
         let status = record::verdict(&solved, &kkt, tolerance);
@@ -423,20 +412,16 @@ impl IncrementDriver<'_> {
         Some(time)
     }
 
+    /// Advances to the end of a converged `substep` at `time`.
     fn accept(&mut self, time: f64, substep: &Step) {
         if self.body.nodes().is_some() {
             self.history.state = Some(substep.state.clone());
         }
-        let w = self.body.problem.contact_motion(&substep.state.u);
-        self.move_on(time, w, substep.scales.clone());
-    }
-
-    /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
-    fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
+        let [w_n, w_t, w_o] = self.body.problem.contact_motion(&substep.state.u);
         let (history, stage) = (&mut *self.history, &*self.stage);
         let slip = |w: &[f64], last: &[f64]| w.iter().zip(last).map(|(w, last)| w - last).collect();
         history.slip = [slip(&w_t, &stage.w_t_last), slip(&w_o, &stage.w_o_last)];
-        (history.reached, history.scales) = (Some(time), scales);
+        (history.reached, history.scales) = (Some(time), substep.scales.clone());
         (history.w_n, history.w_t, history.w_o) = (w_n, w_t, w_o);
     }
 

@@ -153,13 +153,13 @@ pub(super) struct NodeRate {
 pub(super) type Rate = Vec<NodeRate>;
 
 /// BN's equations, with the solver of their linearisation.
-pub(super) struct Linearised<'a> {
+pub(super) struct ErrorEquations<'a> {
     pub formulation: &'a mut Bdiff,
     pub bn: &'a mut Bn,
     pub linear: &'a mut RefinedSolver,
 }
 
-impl Linearised<'_> {
+impl ErrorEquations<'_> {
     /// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
     /// regular.
     fn take(&mut self, cases: &[(bool, TangentialCase)]) -> Result<bool, LinearError> {
@@ -281,7 +281,11 @@ impl IncrementErrors {
     }
 
     /// Returns the initial rate of the next increment, if it is needed and can be computed.
-    pub(super) fn rate(&self, increment: &Increment<'_>, at: &mut Linearised<'_>) -> Result<Option<Rate>, LinearError> {
+    pub(super) fn rate(
+        &self,
+        increment: &Increment<'_>,
+        at: &mut ErrorEquations<'_>,
+    ) -> Result<Option<Rate>, LinearError> {
         if !self.is_straight {
             return Ok(None);
         }
@@ -332,7 +336,7 @@ impl IncrementErrors {
         &mut self,
         rate: Option<&Rate>,
         weight: Option<&[f64]>,
-        at: &mut Linearised<'_>,
+        at: &mut ErrorEquations<'_>,
         z: &[f64],
     ) -> Result<(), LinearError> {
         let formulation = &*at.formulation;
@@ -412,7 +416,7 @@ impl IncrementErrors {
         begins: &mut [Begin],
         turned: bool,
         weight: Option<&[f64]>,
-        at: &mut Linearised<'_>,
+        at: &mut ErrorEquations<'_>,
         z: &[f64],
     ) -> Result<f64, LinearError> {
         let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
@@ -475,7 +479,7 @@ impl IncrementErrors {
         &self,
         cases: &[(bool, TangentialCase)],
         begins: &[Begin],
-        at: &mut Linearised<'_>,
+        at: &mut ErrorEquations<'_>,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         let moved = |((node, (_, case)), begin): ((&Node, &(bool, TangentialCase)), &Begin)| match case {
             TangentialCase::Stick => [0, 1].map(|d| node.error_w[d] + begin.delta[d]),

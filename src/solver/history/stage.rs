@@ -101,25 +101,14 @@ impl Stage {
     }
 }
 
-/// The response of a method's linearisation.
+/// The response of a method's linearisation, at the state that it has reached on a condensed problem.
 pub(super) struct Linearized<'m> {
-    method: &'m mut dyn IncrementSolver,
-    linear: &'m mut RefinedSolver,
-    problem: &'m ContactProblem,
-    scaling: Scaling,
-    change: Vec<f64>,
-}
-
-impl<'m> Linearized<'m> {
-    /// Creates the response at the state that the `method` has reached on a condensed `problem`.
-    pub(super) fn new(
-        method: &'m mut dyn IncrementSolver,
-        linear: &'m mut RefinedSolver,
-        problem: &'m ContactProblem,
-        scaling: Scaling,
-    ) -> Self {
-        Linearized { method, linear, problem, scaling, change: Vec::new() }
-    }
+    pub method: &'m mut dyn IncrementSolver,
+    pub linear: &'m mut RefinedSolver,
+    pub problem: &'m ContactProblem,
+    pub scaling: Scaling,
+    /// The last response.
+    pub change: Vec<f64>,
 }
 
 impl Responds for Linearized<'_> {
