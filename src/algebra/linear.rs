@@ -129,8 +129,7 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
-    fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        let _ = tolerance;
+    fn solve_to(&mut self, _tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         self.solve(b, x)
     }
 
