@@ -16,16 +16,13 @@
 //!
 //! | content | file |
 //! | --- | --- |
-//! | the exact path; the data along it | `walk.rs`, `stretch.rs` |
+//! | the exact path and its snapshots; the data along it | `walk.rs`, `stretch.rs` |
 //! | the rate problem and its laws | `rate_problem.rs` |
 //! | the search for its statuses | `rate.rs` |
-//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs`, `lemke.rs` |
-//! | the linear equations of given statuses | `tangent.rs` |
-//! | sparse equations: one factorisation for each set of statuses | `sparse.rs` |
+//! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs` |
+//! | the linear equations of given statuses: sparse, and refined in twice the precision for slender bodies | `tangent.rs` |
 //! | dense equations: changes of rank one | `dictionary.rs` |
-//! | solutions in twice the precision, for slender bodies | `refined.rs` |
 //! | displacements of which each contact row is one | `coordinates.rs` |
-//! | snapshots of a path | `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::{Equations, SegmentEnd, ExactPath};
@@ -58,13 +55,9 @@
 mod complementarity;
 mod coordinates;
 mod dictionary;
-mod lemke;
 mod node;
 mod rate;
 mod rate_problem;
-mod refined;
-mod saved;
-mod sparse;
 mod stretch;
 mod tangent;
 mod walk;
@@ -73,8 +66,8 @@ use serde::{Deserialize, Serialize};
 
 pub use node::NodeStatus;
 pub use rate_problem::Effort;
-pub(crate) use saved::SavedExactPath;
 pub use walk::ExactPath;
+pub(crate) use walk::SavedExactPath;
 
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::problem::ProblemError;

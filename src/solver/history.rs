@@ -5,22 +5,19 @@
 //! | the interface of a method ([`IncrementSolver`]) and its input ([`Task`]) | `task.rs` |
 //! | BN and IP along a history: starts and snapshots (the algorithms are in `newton/`) | `bn.rs`, `ip.rs` |
 //! | the default interior point method | `predictor_corrector.rs` |
-//! | what is tried for an increment, in which order | `strategy.rs` |
+//! | what is tried for an increment, in which order; joints that slip as a whole | `strategy.rs` |
 //! | the algorithm of an increment ([`Method`]), its construction, and the settings | `method.rs`, `algorithm.rs`, `settings.rs` |
 //! | what a user chooses: increments or the exact path, tolerance, linear solver | `choice.rs` |
 //! | the linear system: whole or condensed | `system.rs` |
-//! | one increment: its substeps and its verdict | `increment.rs` |
+//! | one increment: its substeps, its verdict and its working set | `increment.rs` |
 //! | the loop over increments, within a loop over stages | `driver.rs` |
-//! | a stage: one set-up of the equations | `stage.rs` |
-//! | the state that the history has reached | `state.rs` |
-//! | the working set: the contact nodes in condensed equations | `working_set.rs` |
+//! | a stage: one set-up of the equations, and their responses | `stage.rs` |
+//! | the state that the history has reached, with the rigid offset of a body that only contact holds | `state.rs` |
 //! | the body, whole or condensed; its interior at the end of a substep | `body.rs` |
-//! | the response with clamped contact nodes, or of a linearisation | `response.rs` |
-//! | the rigid offset of a body that only contact holds | `rigid_offset.rs` |
 //! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
-//! | the exact path in time, from event to event; jumps | `events.rs`, `jump.rs` |
+//! | the exact path in time, from event to event; jumps | `events.rs` |
 //! | the time-step error of the friction work and of the tangential forces | `increment_error.rs` |
-//! | observers, records, checkpoints, errors | `observer.rs`, `record.rs`, `saved.rs`, `error.rs` |
+//! | records and observers; checkpoints | `record.rs`, `saved.rs` |
 //!
 //! ```
 //! use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
@@ -48,64 +45,59 @@ mod bn;
 mod body;
 mod choice;
 mod driver;
-mod error;
 mod events;
 mod first_touch;
 mod increment;
 mod increment_error;
 mod ip;
-mod jump;
 mod method;
-mod observer;
 mod predictor_corrector;
 mod record;
-mod response;
-mod rigid_offset;
 mod saved;
 mod settings;
-mod slip;
 mod stage;
 mod state;
 mod stepper;
 mod strategy;
 mod system;
 mod task;
-mod working_set;
 
-use crate::algebra::linear::Statistics;
-use crate::solver::events::{Event, Jump, PathEnd};
+use crate::algebra::linear::{LinearError, Statistics};
+use crate::solver::checkpoint::CheckpointError;
+use crate::solver::events::{Event, Jump, PathEnd, PathError};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::{KktScales, Violation};
 use crate::solver::loading::Loading;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_increasing};
 use crate::solver::problem::{ContactProblem, ProblemError, State};
 use driver::HistoryDriver;
+use serde::{Deserialize, Serialize};
 use state::HistoryState;
 use std::time::Instant;
 
 pub use choice::{HistoryMethod, SolverChoice};
-pub use error::Error;
 pub use events::{ExactPathSettings, follow_exact_path};
+pub(crate) use events::{JumpSolver, RestartPoint};
+pub use increment::WorkingSet;
 pub use increment_error::{IncrementError, IncrementErrors};
-pub(crate) use jump::{JumpSolver, RestartPoint};
 pub use method::{Method, Start};
-pub use observer::{IncrementView, Observer};
-pub use record::{ContactCounts, IncrementRecord, Seconds, Status, Tally};
+pub use record::{ContactCounts, IncrementRecord, IncrementView, Observer, Seconds, Status, Tally};
 pub use saved::Snapshot;
 pub use settings::HistorySettings;
 pub use stepper::{Stepper, StepperState};
 pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
-pub use working_set::WorkingSet;
 
 /// The result of a history.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 #[non_exhaustive]
 pub struct HistoryOutcome {
     /// The verdict of the set-up, or of the first increment that did not converge, or [`Status::Converged`].
+    #[serde(skip)]
     pub status: Status,
     /// The record of each increment, up to the first that failed. Only the last two are kept unless the settings ask
     /// for all.
+    #[serde(skip)]
     pub records: Vec<IncrementRecord>,
     /// The totals over all increments, including those before a checkpoint.
     pub tally: Tally,
@@ -116,31 +108,40 @@ pub struct HistoryOutcome {
     /// The scales of the error measure, from all converged increments.
     pub scales: KktScales,
     /// The largest violation of the law in the increment that failed.
+    #[serde(skip)]
     pub violation: Option<Violation>,
     /// The changes of status, if the exact path was followed and the settings ask for all.
+    #[serde(skip)]
     pub events: Vec<Event>,
     /// The number of changes of status.
     pub event_count: usize,
     /// The jumps over ends of the quasi-static motion.
     pub jumps: Vec<Jump>,
     /// The end of the quasi-static motion, if the path ended early.
+    #[serde(skip)]
     pub lost: Option<PathEnd>,
     /// The equilibrium error due to rounding of the displacements in the last increment.
+    #[serde(skip)]
     pub rounding: f64,
     /// The weights of the problem's rigid modes in a motion that caused the failure, if there is one: nothing stops
     /// it, or the loads drive it against all contact forces.
+    #[serde(skip)]
     pub free_motion: Option<Vec<f64>>,
     /// The slip of a joint as a whole, with [`Status::Slips`].
+    #[serde(skip)]
     pub slip: Option<Slip>,
     /// The layout of the unknowns.
+    #[serde(skip)]
     pub layout: Layout,
     /// The working set, if not all contact nodes were in the equations at first.
     pub working_set: Option<WorkingSet>,
     /// The estimated time-step error, if there is friction and the method estimates it.
     pub increment_error: Option<IncrementError>,
     /// The statistics of the linear solver.
+    #[serde(skip)]
     pub linear: Statistics,
     /// The time for patterns and symbolic analysis, before the first increment, s.
+    #[serde(skip)]
     pub setup_seconds: f64,
 }
 
@@ -163,27 +164,7 @@ impl HistoryOutcome {
 
     /// Creates the outcome of a history before its first increment.
     fn unsolved(problem: &ContactProblem) -> Self {
-        HistoryOutcome {
-            status: Status::Converged,
-            records: Vec::new(),
-            tally: Tally::default(),
-            state: State::zero(problem),
-            reached: 0.0,
-            scales: KktScales::default(),
-            violation: None,
-            events: Vec::new(),
-            event_count: 0,
-            jumps: Vec::new(),
-            lost: None,
-            rounding: 0.0,
-            free_motion: None,
-            slip: None,
-            layout: Layout::new(problem),
-            working_set: None,
-            increment_error: None,
-            linear: Statistics::default(),
-            setup_seconds: 0.0,
-        }
+        HistoryOutcome { state: State::zero(problem), layout: Layout::new(problem), ..HistoryOutcome::default() }
     }
 }
 
@@ -246,4 +227,39 @@ pub(crate) fn check_times(times: &[f64]) -> Result<(), ProblemError> {
     expect_finite("times", times)?;
     expect_each("times", times, "0 or more: a history begins at 0", |time| time >= 0.0)?;
     expect_increasing("times", times.iter().copied())
+}
+
+/// The reason why a history cannot be run or continued. An increment that does not converge is no error; it has a
+/// [`super::Status`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// An array does not fit the problem or has an invalid value.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// The constants of the paper are stresses, which need weights.
+    #[error("the method {method} has constants per area: give the problem the weight of each contact node")]
+    NoWeight {
+        /// The method.
+        method: Method,
+    },
+    /// The linear solver failed.
+    #[error(transparent)]
+    Linear(#[from] LinearError),
+    /// A checkpoint is damaged, or belongs to another run.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+    /// An exact path cannot be followed.
+    #[error(transparent)]
+    Path(PathError),
+}
+
+impl From<PathError> for Error {
+    fn from(error: PathError) -> Self {
+        match error {
+            PathError::Problem(error) => Error::Problem(error),
+            PathError::Linear(error) => Error::Linear(error),
+            other => Error::Path(other),
+        }
+    }
 }

@@ -52,23 +52,11 @@ pub fn working_set(
     affordable: f64,
     condensing: Option<SparseCholesky>,
 ) -> Result<InitialWorkingSet, LinearError> {
-    let (nodes, factor) = within(problem, loading, times, affordable, condensing)?;
-    // With fewer nodes, other displacements come last.
-    let factor = factor.filter(|_| nodes.is_none()).map(Arc::new);
-    Ok(InitialWorkingSet { nodes, factor })
-}
-
-/// Returns the nodes, if not all, and the factors of `K` with all contact displacements last, if they were needed.
-fn within(
-    problem: &ContactProblem,
-    loading: &Loading,
-    times: &[f64],
-    affordable: f64,
-    condensing: Option<SparseCholesky>,
-) -> Result<(Option<Vec<usize>>, Option<Cholesky>), LinearError> {
+    // All nodes, with the factors of `K` with all contact displacements last, if they were needed.
+    let whole = |made: Option<Cholesky>| Ok(InitialWorkingSet { nodes: None, factor: made.map(Arc::new) });
     let all = problem.contacts();
     if all == 0 || !problem.rigid_modes().is_empty() {
-        return Ok((None, None));
+        return whole(None);
     }
     let (m, increments) = (problem.contact_displacements().len(), times.len());
     // Most nodes out of reach are open, as are many within reach.
@@ -77,12 +65,12 @@ fn within(
     let most = (1.0 - WORTHWHILE) * of_contact(all);
     let spare = affordable * cost::body(problem.displacements(), problem.stiffness().lower_entries(), increments);
     if of_contact(all) <= spare {
-        return Ok((None, None));
+        return whole(None);
     }
     let mut least = least_distances(loading, times, &[]);
     // The loads do not matter if the obstacles alone bring too many nodes within reach.
     if of_contact(within_reach(&least).0) > most {
-        return Ok((None, None));
+        return whole(None);
     }
     let mut made = None;
     if loading.largest_force() > 0.0 {
@@ -91,7 +79,7 @@ fn within(
         let stiffness = problem.stiffness().assembled()?;
         let factor = match condensing.unwrap_or_default().factor(&stiffness, if few { &last } else { &[] }) {
             // Without contact forces the displacements have no bounds.
-            Err(LinearError::Singular { .. }) => return Ok((None, None)),
+            Err(LinearError::Singular { .. }) => return whole(None),
             factor => factor?,
         };
         let moved = unopposed(problem, loading, &factor)?;
@@ -102,11 +90,12 @@ fn within(
     let affordable = (0..all).find(|nodes| of_contact(nodes + 1) > spare).unwrap_or(all);
     let held = within.max(affordable).max(1);
     if of_contact(held) > most {
-        return Ok((None, made));
+        return whole(made);
     }
     let mut nodes = nearest[..held].to_vec();
     nodes.sort_unstable();
-    Ok((Some(nodes), made))
+    // With fewer nodes, other displacements come last.
+    Ok(InitialWorkingSet { nodes: Some(nodes), factor: None })
 }
 
 /// Returns `C_n K⁻¹ f` of each load, n_c, m: the normal displacements of the contact nodes without contact forces.

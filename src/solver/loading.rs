@@ -1,17 +1,14 @@
 //! The prescribed data over time: external forces and gaps.
 
-mod friction;
 mod gap_correction;
-mod part;
 
+use crate::solver::problem::error::{expect_each, expect_finite, expect_history, expect_length};
+use crate::solver::problem::{ContactProblem, ProblemError};
 use std::ops::Range;
 
-pub use friction::FrictionHistory;
 pub use gap_correction::GapCorrection;
 
 use crate::base::timeline::kinks;
-use crate::solver::problem::error::{expect_finite, expect_history, expect_length};
-use crate::solver::problem::{ContactProblem, ProblemError};
 
 const PER_NODE: &str = "one for each node in front of the obstacle";
 
@@ -402,6 +399,114 @@ impl Loading {
     }
 }
 
+impl Loading {
+    /// Restricts the loading to the contact `nodes`, ascending.
+    pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
+        let motion = |motion: &Motion| {
+            let (places, nodes) = part(&motion.nodes, nodes);
+            Motion {
+                gap: nodes.iter().map(|i| motion.gap[i - motion.nodes.start]).collect(),
+                drift: nodes.iter().map(|i| motion.drift[i - motion.nodes.start]).collect(),
+                nodes: places,
+                history: motion.history.clone(),
+            }
+        };
+        let bend = |bend: &GapCorrection| {
+            let (places, nodes) = part(&bend.nodes, nodes);
+            let of = |i: &usize| i - bend.nodes.start;
+            GapCorrection {
+                gap: bend.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                drift: bend.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                nodes: places,
+                times: bend.times.clone(),
+            }
+        };
+        Loading {
+            cases: self.cases.clone(),
+            gap: nodes.iter().map(|&i| self.gap[i]).collect(),
+            motions: self.motions.iter().map(motion).collect(),
+            bends: self.bends.iter().map(bend).collect(),
+            friction: self.friction.as_ref().map(|friction| friction.of_nodes(nodes)),
+        }
+    }
+}
+
+impl FrictionHistory {
+    fn of_nodes(&self, nodes: &[usize]) -> Self {
+        let case =
+            |(mu, history): &(Vec<f64>, Vec<[f64; 2]>)| (nodes.iter().map(|&i| mu[i]).collect(), history.clone());
+        FrictionHistory { nodes: nodes.len(), cases: self.cases.iter().map(case).collect() }
+    }
+}
+
+/// Returns the `nodes` in `range`, and their positions in `nodes`.
+fn part<'a>(range: &Range<usize>, nodes: &'a [usize]) -> (Range<usize>, &'a [usize]) {
+    let place = |end: usize| nodes.partition_point(|node| *node < end);
+    let places = place(range.start)..place(range.end);
+    (places.clone(), &nodes[places])
+}
+
+/// Coulomb's coefficients of the contact nodes over time, `μ_i(t) = Σ_k f_k(t) μ_ki`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrictionHistory {
+    nodes: usize,
+    /// `μ_k` at factor 1, with the points of `f_k`.
+    cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>,
+}
+
+impl FrictionHistory {
+    /// Creates the sum of `cases`: coefficients of `nodes` contact nodes at factor 1, and points
+    /// `[time (s), factor]`. The factor is linear between the points and constant outside; it is 1 if there are no
+    /// points.
+    ///
+    /// # Errors
+    /// If there is not one coefficient for each node, if one is negative or not finite, if times do not increase, or
+    /// if a factor is negative.
+    pub fn new(nodes: usize, cases: Vec<(Vec<f64>, Vec<[f64; 2]>)>) -> Result<Self, ProblemError> {
+        for (mu, history) in &cases {
+            expect_length("mu", nodes, mu.len(), "one for each contact node")?;
+            expect_finite("mu", mu)?;
+            expect_each("mu", mu, "0 or more", |mu| mu >= 0.0)?;
+            expect_history("history of friction", history)?;
+            let factors: Vec<f64> = history.iter().map(|point| point[1]).collect();
+            expect_each("factors of friction", &factors, "0 or more", |factor| factor >= 0.0)?;
+        }
+        Ok(FrictionHistory { nodes, cases })
+    }
+
+    /// Returns the number of contact nodes.
+    pub fn nodes(&self) -> usize {
+        self.nodes
+    }
+
+    /// Calls `see` with every array.
+    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
+        for (mu, history) in &self.cases {
+            see(mu);
+            see(history.as_flattened());
+        }
+    }
+
+    /// Returns the coefficients at time `t` (s).
+    pub fn at(&self, t: f64) -> Vec<f64> {
+        let mut mu = vec![0.0; self.nodes];
+        for (case, history) in &self.cases {
+            let factor = piecewise_linear(history, t).unwrap_or(1.0);
+            mu.iter_mut().zip(case).for_each(|(sum, mu)| *sum += factor * mu);
+        }
+        mu
+    }
+
+    /// Returns the largest coefficient of each node over all time.
+    pub fn largest(&self) -> Vec<f64> {
+        let times = self.cases.iter().flat_map(|(_, history)| history.iter().map(|point| point[0]));
+        times.chain([0.0]).map(|t| self.at(t)).fold(vec![0.0; self.nodes], |mut largest, mu| {
+            largest.iter_mut().zip(mu).for_each(|(largest, mu)| *largest = largest.max(mu));
+            largest
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -458,6 +563,48 @@ mod tests {
                 let [with, without] = [&loading, &before].map(|loading| loading.drift_at(t, k));
                 assert_eq!([with[0] - without[0], with[1] - without[1]], added.map(|of_node| of_node[k]), "{t}");
             }
+        }
+    }
+
+    #[test]
+    fn gaps_drifts_and_friction_are_those_of_the_nodes() {
+        let history = vec![[0.0, 0.0], [2.0, 4.0]];
+        let motion =
+            Motion::new(1..4, vec![-1.0, -0.5, 2.0], vec![[0.0, 2.0], [1.0, 0.0], [3.0, 1.0]], history).unwrap();
+        let bend = GapCorrection::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
+        let bend = bend.with_drift(vec![vec![[0.0; 2]; 2], vec![[1.0, 2.0], [3.0, 4.0]]]).unwrap();
+        let friction = FrictionHistory::new(5, vec![(vec![0.1, 0.2, 0.3, 0.4, 0.5], Vec::new())]).unwrap();
+        let all = Loading::new(Vec::new(), vec![1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
+        let all = all.with_motions(vec![motion], vec![bend]).unwrap().with_friction(Some(friction)).unwrap();
+        for nodes in [vec![0, 1, 2, 3, 4], vec![1, 3], vec![0, 4], vec![2], vec![3, 4], vec![4]] {
+            let some = all.of_nodes(&nodes);
+            let of_all = |values: Vec<f64>| nodes.iter().map(|&i| values[i]).collect::<Vec<_>>();
+            for t in [0.0, 0.7, 2.0, 3.0] {
+                assert_eq!(some.gaps_at(t), of_all(all.gaps_at(t)));
+                assert_eq!(some.friction().unwrap().at(t), of_all(all.friction().unwrap().at(t)));
+                for k in 0..2 {
+                    assert_eq!(some.drift_at(t, k), of_all(all.drift_at(t, k)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn coefficients_are_sums_of_cases() {
+        let falling = (vec![0.4, 0.1, 0.0], vec![[1.0, 1.0], [3.0, 0.5]]);
+        let friction = FrictionHistory::new(3, vec![falling, (vec![0.0, 0.1, 0.2], Vec::new())]).unwrap();
+        assert_eq!(friction.at(0.0), [0.4, 0.2, 0.2]);
+        assert_eq!(friction.at(9.0), [0.2, 0.5 * 0.1 + 0.1, 0.2]);
+        assert_eq!(friction.at(2.0)[0], 0.75 * 0.4);
+        assert_eq!(friction.largest(), [0.4, 0.2, 0.2]);
+        for (mu, history, says) in [
+            (vec![0.4], vec![], "mu has 1"),
+            (vec![0.4, 0.4, -0.1], vec![], "mu[2] is -0.1"),
+            (vec![0.4; 3], vec![[0.0, 1.0], [1.0, -1.0]], "factors of friction[1] is -1"),
+            (vec![0.4; 3], vec![[1.0, 1.0], [0.0, 1.0]], "history of friction"),
+        ] {
+            let error = FrictionHistory::new(3, vec![(mu, history)]).unwrap_err().to_string();
+            assert!(error.contains(says), "{error}");
         }
     }
 }

@@ -2,18 +2,14 @@
 
 mod armijo;
 mod bn;
-mod clock;
-mod cycle;
-mod end;
 mod ip;
 mod predictor_corrector;
 
 pub use armijo::Armijo;
-pub use bn::Bn;
-pub use end::{Measure, StopCriterion};
+pub use bn::{Bn, Measure, StopCriterion};
 pub use ip::{Centring, Ip, IpSettings};
 pub(crate) use predictor_corrector::PredictorCorrector;
-pub(crate) use predictor_corrector::PredictorCorrectorSettings;
+use std::time::Instant;
 
 use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
@@ -89,6 +85,11 @@ impl MethodResult {
             attempts: 1,
             rescued: false,
         }
+    }
+
+    /// Creates the result of no attempt, before the first.
+    pub(crate) fn nothing() -> Self {
+        MethodResult { attempts: 0, ..MethodResult::new(f64::NAN) }
     }
 
     /// Adds an iteration.
@@ -197,5 +198,19 @@ impl IterationRecord {
             factored: false,
             error: None,
         }
+    }
+}
+
+#[derive(Default)]
+struct Clock {
+    pub seconds: f64,
+}
+
+impl Clock {
+    fn time<T>(&mut self, work: impl FnOnce() -> T) -> T {
+        let start = Instant::now();
+        let result = work();
+        self.seconds += start.elapsed().as_secs_f64();
+        result
     }
 }

@@ -14,15 +14,12 @@
 // Without a backend nothing is factored.
 #![cfg_attr(not(any(feature = "umfpack", feature = "faer")), allow(dead_code))]
 
-mod branches;
-mod order;
 mod sweep;
 
-use self::branches::Branches;
-use super::error::expect_length;
 use super::supernodal::{Supernodal, Supernode};
-use super::{FactorInfo, LinearError, SparseCholesky, times_transposed};
-use crate::algebra::sparse::Symmetric;
+use super::{FactorInfo, LinearError, SparseCholesky, expect_length, times_transposed};
+use crate::algebra::sparse::{Pattern, Symmetric};
+use sweep::Branches;
 
 /// The Cholesky factors of a symmetric positive definite matrix.
 pub struct Cholesky {
@@ -117,9 +114,9 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "umfpack")]
     pub fn cholmod(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        super::error::expect_finite(k.lower().values())?;
+        super::expect_finite(k.lower().values())?;
         let mut session = super::cholmod::Session::new()?;
-        let order = order::with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
+        let order = with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
         let factor = session.factor(&k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
@@ -130,8 +127,8 @@ impl Cholesky {
     /// As [`Cholesky::factor`].
     #[cfg(feature = "faer")]
     pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
-        super::error::expect_finite(k.lower().values())?;
-        let order = order::with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
+        super::expect_finite(k.lower().values())?;
+        let order = with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
         let factor = super::faer::Llt::factor(&k.lower(), &order)?;
         Self::new(Box::new(factor), order, last.len())
     }
@@ -311,4 +308,35 @@ fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Result<f64, LinearError> {
     }
     // The ratio of no pivots is 1.
     Ok(if smallest > largest { 1.0 } else { smallest / largest })
+}
+
+/// Returns a fill-reducing order with `last` at the end. Only the interior is ordered, by `interior` from the lower
+/// triangle of its pattern: `last` has an order already, and the Schur complement is nearly dense in any order.
+fn with_border(
+    lower: &Pattern,
+    last: &[usize],
+    interior: impl FnOnce(&Pattern) -> Result<Vec<usize>, LinearError>,
+) -> Result<Vec<usize>, LinearError> {
+    let n = lower.columns();
+    let mut is_last = vec![false; n];
+    let distinct = last.iter().filter(|&&k| k < n && !std::mem::replace(&mut is_last[k], true)).count();
+    expect_length("distinct unknowns to eliminate last", last.len(), distinct)?;
+    let inside: Vec<usize> = (0..n).filter(|&k| !is_last[k]).collect();
+    let mut order = Vec::with_capacity(n);
+    if !inside.is_empty() {
+        let mut place = vec![None; n];
+        inside.iter().enumerate().for_each(|(k, &unknown)| place[unknown] = Some(k));
+        let block = Pattern::of(inside.len(), inside.len(), |take| {
+            for (column, &unknown) in inside.iter().enumerate() {
+                for &row in &lower.row_indices()[lower.column(unknown)] {
+                    if let Some(row) = place[row as usize] {
+                        take(row, column);
+                    }
+                }
+            }
+        });
+        order.extend(interior(&block)?.into_iter().map(|k| inside[k]));
+    }
+    order.extend(last);
+    Ok(order)
 }

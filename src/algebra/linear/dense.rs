@@ -29,8 +29,7 @@ use std::sync::Arc;
 use faer::Mat;
 use rayon::prelude::*;
 
-use super::error::expect_length;
-use super::{FactorInfo, LinearError, LinearSolver, SystemMatrix};
+use super::{FactorInfo, LinearError, LinearSolver, SystemMatrix, expect_length};
 use crate::algebra::sparse::{Csc, Csr, DenseSymmetric, Pattern};
 
 mod blocks;

@@ -5,9 +5,8 @@ use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::expect_length;
 use super::refine::{self, SolveInfo, Workspace};
-use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
+use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix, expect_length};
 use crate::algebra::sparse::Pattern;
 
 /// The statistics of a [`RefinedSolver`].

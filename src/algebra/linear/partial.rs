@@ -25,8 +25,7 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use super::error::expect_length;
-use super::{Cholesky, Dense, FactorInfo, LinearError, LinearSolver, Lu, SparseCholesky, SystemMatrix};
+use super::{Cholesky, Dense, FactorInfo, LinearError, LinearSolver, Lu, SparseCholesky, SystemMatrix, expect_length};
 use crate::algebra::sparse::{Csc, DenseSymmetric, Pattern, Symmetric};
 
 /// If a group of coupled contact unknowns is larger than this, the contact block is factored as one dense matrix: eliminating the

@@ -1,8 +1,7 @@
 //! Iterative refinement and the backward error, the same for every backend. A solve to a tolerance by an iterative solver is
 //! not refined.
 
-use super::error::expect_length;
-use super::{LinearError, SystemMatrix};
+use super::{LinearError, SystemMatrix, expect_length};
 
 /// The accuracy of a solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::error::expect_length;
-use super::{Distributed, LinearError, Stiffness};
+use super::{Distributed, LinearError, Stiffness, expect_length};
 use crate::algebra::sparse::{Csc, DenseSymmetric, DoubleDouble, Pattern, Symmetric};
 
 /// A square sparse matrix whose first rows and columns may contain a dense or distributed symmetric block:

@@ -10,9 +10,8 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use super::error::expect_length;
 use super::process::blas::room;
-use super::{FactorInfo, LinearError, LinearSolver, ordering, sys, versions};
+use super::{FactorInfo, LinearError, LinearSolver, expect_length, ordering, sys, versions};
 use crate::algebra::sparse::Pattern;
 
 const CONTROL: usize = sys::UMFPACK_CONTROL as usize;

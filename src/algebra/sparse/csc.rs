@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::error::expect_length;
-use super::{MatrixError, Pattern};
+use super::{MatrixError, Pattern, expect_length};
 
 /// A matrix in compressed columns: values on a shared [`Pattern`].
 #[derive(Debug, Clone, PartialEq)]

@@ -1,7 +1,6 @@
 //! Matrices in compressed rows.
 
-use super::error::expect_length;
-use super::{Csc, DoubleDouble, MatrixError};
+use super::{Csc, DoubleDouble, MatrixError, expect_length};
 
 /// A matrix in compressed rows, for maps with few entries per row.
 #[derive(Debug, Clone, PartialEq)]

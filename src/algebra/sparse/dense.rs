@@ -4,8 +4,7 @@ use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
-use super::MatrixError;
-use super::error::expect_length;
+use super::{MatrixError, expect_length};
 use crate::algebra::vector::dot;
 
 /// The number of entries below which a product is faster in one thread.

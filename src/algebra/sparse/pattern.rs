@@ -1,7 +1,6 @@
 //! The positions of the entries of a matrix.
 
-use super::MatrixError;
-use super::error::expect_length;
+use super::{MatrixError, expect_length};
 
 /// The positions of the stored entries of a matrix in compressed columns, sorted by row.
 ///

@@ -3,8 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::error::expect_length;
-use super::{Csc, DenseSymmetric, MatrixError, Pattern};
+use super::{Csc, DenseSymmetric, MatrixError, Pattern, expect_length};
 
 /// A symmetric matrix.
 #[derive(Debug, Clone, PartialEq)]

@@ -241,6 +241,40 @@ impl Dictionary {
         y
     }
 
+    /// Returns the prescribed members `x` for the `given` data, where the forces on the coordinates are `load`.
+    fn prescribed(&self, given: &Given, load: &[f64]) -> Vec<f64> {
+        let mut x = load.to_vec();
+        self.measured(&mut x, 1.0);
+        for (i, status) in self.statuses.iter().enumerate() {
+            if status.is_closed() {
+                x[self.coordinates.normal[i]] = given.gap[i];
+            }
+            if let (true, Some(t)) = (status.is_held(), self.coordinates.tangential[i]) {
+                x[t] = given.slide[i];
+            }
+        }
+        x
+    }
+
+    /// Writes the `answer` with the displacements `w` and the elastic forces `F` under the `load`.
+    fn write(&self, w: &[f64], load: &[f64], forces: &[f64], answer: &mut NodalContact) {
+        for i in 0..self.statuses.len() {
+            let (normal, tangential) = (self.coordinates.normal[i], self.coordinates.tangential[i]);
+            let open = !self.statuses[i].is_closed();
+            answer.w_n[i] = w[normal];
+            answer.p_n[i] = if open { 0.0 } else { load[normal] - forces[normal] };
+            answer.w_t[i] = tangential.map_or(0.0, |t| w[t]);
+            answer.p_t[i] = match (tangential, self.statuses[i].sign()) {
+                (None, _) => 0.0,
+                (Some(_), _) if open => 0.0,
+                (Some(t), 0.0) => load[t] - forces[t],
+                (Some(_), sign) => sign * self.mu[i] * answer.p_n[i],
+            };
+        }
+        answer.u = self.coordinates.displacements(w);
+        answer.u_rest.clear();
+    }
+
     /// Measures the forces `F` of slipping nodes from the border of the cone (`way` = 1), or reverses this (`way` =
     /// -1).
     fn measured(&self, forces: &mut [f64], way: f64) {
@@ -273,16 +307,7 @@ impl Tangent for Dictionary {
         let load = self.coordinates.forces(&given.force);
         let is_given = self.given_displacements(&self.statuses);
         let n = load.len();
-        let mut x = load.clone();
-        self.measured(&mut x, 1.0);
-        for (i, status) in self.statuses.iter().enumerate() {
-            if status.is_closed() {
-                x[self.coordinates.normal[i]] = given.gap[i];
-            }
-            if let (true, Some(t)) = (status.is_held(), self.coordinates.tangential[i]) {
-                x[t] = given.slide[i];
-            }
-        }
+        let x = self.prescribed(given, &load);
         // Prescribed displacements cause forces of this size, unless the whole body moves with them.
         let moved = (0..n).filter(|&k| is_given[k]).fold(0.0_f64, |m, k| m.max(x[k].abs()));
         let (mut left, mut scale, mut rounding) = (0.0, 0.0, 0.0);
@@ -325,21 +350,7 @@ impl Tangent for Dictionary {
                 break;
             }
         }
-        for i in 0..self.statuses.len() {
-            let (normal, tangential) = (self.coordinates.normal[i], self.coordinates.tangential[i]);
-            let open = !self.statuses[i].is_closed();
-            answer.w_n[i] = w[normal];
-            answer.p_n[i] = if open { 0.0 } else { load[normal] - forces[normal] };
-            answer.w_t[i] = tangential.map_or(0.0, |t| w[t]);
-            answer.p_t[i] = match (tangential, self.statuses[i].sign()) {
-                (None, _) => 0.0,
-                (Some(_), _) if open => 0.0,
-                (Some(t), 0.0) => load[t] - forces[t],
-                (Some(_), sign) => sign * self.mu[i] * answer.p_n[i],
-            };
-        }
-        answer.u = self.coordinates.displacements(&w);
-        answer.u_rest.clear();
+        self.write(&w, &load, &forces, answer);
         let singular = n as f64 * rounding > LOST * scale.max(self.stiffest * moved);
         let solved = left <= (UNSOLVED * scale).max(n as f64 * rounding) && !singular;
         Ok(solved && !self.table.is_empty() || n == 0)

@@ -8,9 +8,8 @@
 //! the absence of a continuation is proved.
 
 use super::complementarity::Unknowns;
-use super::node::{AdmissibleTransition, NodalContact, NodeStatus};
-use super::rate_problem::{Breach, Effort, RATE_ROUNDING, RateProblem};
-use super::tangent::Tangent;
+use super::node::{AdmissibleTransition, NodeStatus};
+use super::rate_problem::{Breach, RATE_ROUNDING, RateSearch, largest_breach};
 use crate::algebra::linear::LinearError;
 
 /// The largest relative breach that is accepted if no better statuses are found: a rate problem that is nearly
@@ -44,46 +43,37 @@ pub(super) enum Found {
     Nothing,
 }
 
-impl RateProblem<'_> {
+impl RateSearch<'_> {
     /// Finds `statuses` and their rates, starting from a guess.
-    pub(super) fn solve(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &mut Vec<NodeStatus>,
-        rate: &mut NodalContact,
-        effort: &mut Effort,
-    ) -> Result<Found, LinearError> {
-        let mut best: Option<(f64, Vec<NodeStatus>)> = None;
-        if self.by_correction(tangent, statuses, rate, &mut best, effort)? {
+    pub(super) fn solve(&mut self, statuses: &mut Vec<NodeStatus>) -> Result<Found, LinearError> {
+        if self.by_correction(statuses)? {
             return Ok(Found::Rates);
         }
         let concerned: Vec<usize> =
-            (0..self.may.len()).filter(|&i| self.may[i] != AdmissibleTransition::Stay).collect();
+            (0..self.problem.may.len()).filter(|&i| self.problem.may[i] != AdmissibleTransition::Stay).collect();
         for unknowns in [Unknowns::Forces, Unknowns::Motions] {
-            let Some(found) = self.by_lemke(unknowns, tangent, statuses, &concerned, rate, effort)? else { continue };
-            let size = self.try_out(tangent, &found, rate, effort)?;
-            keep(&mut best, size, &found);
+            let Some(found) = self.by_lemke(unknowns, statuses, &concerned)? else { continue };
+            let size = self.try_out(&found)?;
+            self.keep(size, &found);
             let mut settled = found;
-            if size.is_some_and(|size| size <= RATE_ROUNDING)
-                || self.by_correction(tangent, &mut settled, rate, &mut best, effort)?
-            {
-                effort.lemke += 1;
+            if size.is_some_and(|size| size <= RATE_ROUNDING) || self.by_correction(&mut settled)? {
+                self.effort.lemke += 1;
                 *statuses = settled;
                 return Ok(Found::Rates);
             }
         }
         let mut all_tried = false;
         if concerned.len() <= FEW {
-            effort.enumerated += 1;
-            match self.by_enumeration(tangent, statuses, &concerned, rate, &mut best, effort)? {
+            self.effort.enumerated += 1;
+            match self.by_enumeration(statuses, &concerned)? {
                 Tried::Found => return Ok(Found::Rates),
                 Tried::AllRegular => all_tried = true,
                 Tried::SomeSingular => {}
             }
         }
-        match best {
+        match self.best.take() {
             Some((size, found)) if size <= ACCEPTED => {
-                self.try_out(tangent, &found, rate, effort)?;
+                self.try_out(&found)?;
                 *statuses = found;
                 Ok(Found::Rates)
             }
@@ -93,32 +83,23 @@ impl RateProblem<'_> {
     }
 
     /// Corrects statuses whose rates break a law: all at once, then one by one if this cycles.
-    fn by_correction(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &mut [NodeStatus],
-        rate: &mut NodalContact,
-        best: &mut Option<(f64, Vec<NodeStatus>)>,
-        effort: &mut Effort,
-    ) -> Result<bool, LinearError> {
-        let concerned = self.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
+    fn by_correction(&mut self, statuses: &mut [NodeStatus]) -> Result<bool, LinearError> {
+        let concerned = self.problem.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
         let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
         let mut tried = vec![[0_usize; 4]; statuses.len()];
         let mut alone = false;
         for turn in 0..TOGETHER + EACH * concerned {
-            effort.solves += 1;
-            if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
+            if !self.rates(statuses)? {
                 return Ok(false);
             }
-            let breaches = self.breaches(statuses, rate);
-            let size = breaches.iter().fold(0.0_f64, |m, breach| m.max(breach.size));
-            keep(best, Some(size), statuses);
+            let breaches = self.problem.breaches(statuses, self.rate);
+            self.keep(Some(largest_breach(&breaches)), statuses);
             if breaches.is_empty() {
                 return Ok(true);
             }
             if !alone && (turn >= TOGETHER || seen.iter().any(|before| before == statuses)) {
                 alone = true;
-                effort.one_by_one += 1;
+                self.effort.one_by_one += 1;
             }
             if !alone {
                 seen.push(statuses.to_vec());
@@ -130,7 +111,7 @@ impl RateProblem<'_> {
             let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
             let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
             // A grazing node may skip the correct status in a cycle, so each status is tried in turn.
-            let next = if self.may[*node] == AdmissibleTransition::Anything && self.rough[*node] {
+            let next = if self.problem.may[*node] == AdmissibleTransition::Anything && self.problem.rough[*node] {
                 tried[*node][place(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
                 others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
@@ -143,15 +124,7 @@ impl RateProblem<'_> {
     }
 
     /// Tries all statuses of the nodes `concerned`.
-    fn by_enumeration(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &mut [NodeStatus],
-        concerned: &[usize],
-        rate: &mut NodalContact,
-        best: &mut Option<(f64, Vec<NodeStatus>)>,
-        effort: &mut Effort,
-    ) -> Result<Tried, LinearError> {
+    fn by_enumeration(&mut self, statuses: &mut [NodeStatus], concerned: &[usize]) -> Result<Tried, LinearError> {
         let choices: Vec<Vec<NodeStatus>> = concerned.iter().map(|&i| self.choices(i)).collect();
         let all = choices.iter().map(Vec::len).product::<usize>();
         let before = statuses.to_vec();
@@ -161,8 +134,8 @@ impl RateProblem<'_> {
                 statuses[i] = choices[number % choices.len()];
                 number /= choices.len();
             }
-            let size = self.try_out(tangent, statuses, rate, effort)?;
-            keep(best, size, statuses);
+            let size = self.try_out(statuses)?;
+            self.keep(size, statuses);
             match size {
                 Some(size) if size <= RATE_ROUNDING => return Ok(Tried::Found),
                 Some(_) => {}
@@ -175,9 +148,9 @@ impl RateProblem<'_> {
 
     /// Returns the admissible statuses of node `i`.
     fn choices(&self, i: usize) -> Vec<NodeStatus> {
-        match self.may[i] {
+        match self.problem.may[i] {
             AdmissibleTransition::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
-            _ if self.rough[i] => ALL.to_vec(),
+            _ if self.problem.rough[i] => ALL.to_vec(),
             _ => vec![NodeStatus::Forward, NodeStatus::Open],
         }
     }
@@ -187,12 +160,4 @@ const ALL: [NodeStatus; 4] = [NodeStatus::Stick, NodeStatus::Forward, NodeStatus
 
 fn place(status: NodeStatus) -> usize {
     ALL.iter().position(|other| *other == status).unwrap_or(0)
-}
-
-/// Keeps `statuses` if they are the best so far.
-fn keep(best: &mut Option<(f64, Vec<NodeStatus>)>, size: Option<f64>, statuses: &[NodeStatus]) {
-    let Some(size) = size else { return };
-    if best.as_ref().is_none_or(|(least, _)| size < *least) {
-        *best = Some((size, statuses.to_vec()));
-    }
 }

@@ -1,16 +1,16 @@
 //! The rate problem at one point of the path, and the laws that given rates break.
 
-use serde::{Deserialize, Serialize};
-
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::tangent::Tangent;
 use crate::algebra::linear::LinearError;
 use crate::solver::problem::ContactProblem;
+use serde::{Deserialize, Serialize};
 
 /// A breach of a law below this share of the largest rate counts as rounding.
 pub(super) const RATE_ROUNDING: f64 = 1e-12;
 
 /// The rate problem at one point of the path.
+#[derive(Clone, Copy)]
 pub(super) struct RateProblem<'a> {
     pub problem: &'a ContactProblem,
     /// The tangent along which each node slides, if any.
@@ -30,6 +30,22 @@ pub(super) struct Breach {
     pub size: f64,
 }
 
+/// Returns the size of the largest of the `breaches`.
+pub(super) fn largest_breach(breaches: &[Breach]) -> f64 {
+    breaches.iter().fold(0.0_f64, |m, breach| m.max(breach.size))
+}
+
+/// The search for the statuses of a rate problem.
+pub(super) struct RateSearch<'a> {
+    pub problem: RateProblem<'a>,
+    pub tangent: &'a mut dyn Tangent,
+    /// The rates of the statuses tried last.
+    pub rate: &'a mut NodalContact,
+    pub effort: &'a mut Effort,
+    /// The statuses with the smallest breach so far.
+    pub best: Option<(f64, Vec<NodeStatus>)>,
+}
+
 /// The cost of the rate problems of a history.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Effort {
@@ -43,22 +59,29 @@ pub struct Effort {
     pub enumerated: usize,
 }
 
-impl RateProblem<'_> {
+impl RateSearch<'_> {
     /// Returns the largest breach of the rates of these statuses, or `None` if they have no rates.
-    pub(super) fn try_out(
-        &self,
-        tangent: &mut dyn Tangent,
-        statuses: &[NodeStatus],
-        rate: &mut NodalContact,
-        effort: &mut Effort,
-    ) -> Result<Option<f64>, LinearError> {
-        effort.solves += 1;
-        if !(tangent.take(statuses)? && tangent.solve(self.given, rate)?) {
-            return Ok(None);
-        }
-        Ok(Some(self.breaches(statuses, rate).iter().fold(0.0_f64, |m, breach| m.max(breach.size))))
+    pub(super) fn try_out(&mut self, statuses: &[NodeStatus]) -> Result<Option<f64>, LinearError> {
+        let breaches = self.rates(statuses)?.then(|| self.problem.breaches(statuses, self.rate));
+        Ok(breaches.map(|breaches| largest_breach(&breaches)))
     }
 
+    /// Computes the rates of these statuses. Returns `true` if they have any.
+    pub(super) fn rates(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+        self.effort.solves += 1;
+        Ok(self.tangent.take(statuses)? && self.tangent.solve(self.problem.given, self.rate)?)
+    }
+
+    /// Keeps `statuses` if they are the best so far.
+    pub(super) fn keep(&mut self, size: Option<f64>, statuses: &[NodeStatus]) {
+        let Some(size) = size else { return };
+        if self.best.as_ref().is_none_or(|(least, _)| size < *least) {
+            self.best = Some((size, statuses.to_vec()));
+        }
+    }
+}
+
+impl RateProblem<'_> {
     /// Returns the laws that the rates break by more than rounding.
     pub(super) fn breaches(&self, statuses: &[NodeStatus], rate: &NodalContact) -> Vec<Breach> {
         let force = rate.force_scale(self.given);

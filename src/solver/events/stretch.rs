@@ -4,66 +4,67 @@ use super::node::{Given, largest};
 use crate::base::units::Scaling;
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
+use serde::{Deserialize, Serialize};
+
+/// The loads of a path in its units.
+pub(super) struct PathLoads<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    pub scaling: Scaling,
+    /// The tangent along which each node slides, if any.
+    pub tangents: Vec<Option<usize>>,
+}
 
 /// A load segment: all data change at constant rates.
-pub(super) struct Stretch<'a> {
-    problem: &'a ContactProblem,
-    loading: &'a Loading,
-    scaling: Scaling,
-    tangents: Vec<Option<usize>>,
+#[derive(Clone, Serialize, Deserialize)]
+pub(super) struct Stretch {
     /// The times at which the rates change, in descending order.
     pub corners: Vec<f64>,
     /// The start and end of the segment, s; the end is infinite if the data change no more.
     pub times: [f64; 2],
     /// The data at the start.
+    #[serde(rename = "given")]
     pub at: Given,
     /// The change of the data until the end.
     pub change: Given,
 }
 
-impl<'a> Stretch<'a> {
+impl Stretch {
     /// Creates the segment of no duration in which the loads at t = 0 are applied in proportion. If there are none,
     /// creates the first segment after it.
-    pub(super) fn first(
-        problem: &'a ContactProblem,
-        loading: &'a Loading,
-        scaling: Scaling,
-        tangents: Vec<Option<usize>>,
-    ) -> Self {
-        let mut corners = loading.corners();
+    pub(super) fn first(loads: &PathLoads<'_>) -> Self {
+        let mut corners = loads.loading.corners();
         corners.reverse();
-        let (times, at, change) = ([0.0; 2], Given::default(), Given::default());
-        let mut stretch = Stretch { problem, loading, scaling, tangents, corners, times, at, change };
-        let there = stretch.given(0.0);
+        let there = loads.given(0.0);
         let apart = there.gap.iter().map(|gap| gap.max(0.0)).collect();
-        stretch.at = Given { force: vec![0.0; there.force.len()], gap: apart, slide: there.slide.clone() };
-        stretch.change = there.plus(-1.0, &stretch.at);
+        let at = Given { force: vec![0.0; there.force.len()], gap: apart, slide: there.slide.clone() };
+        let mut stretch = Stretch { corners, times: [0.0; 2], change: there.plus(-1.0, &at), at };
         if largest(&stretch.change.force) == 0.0 && largest(&stretch.change.gap) == 0.0 {
-            stretch.next();
+            stretch.next(loads);
         }
         stretch
     }
 
     /// Advances to the segment up to the next corner, or to infinity if there is none.
-    pub(super) fn next(&mut self) {
+    pub(super) fn next(&mut self, loads: &PathLoads<'_>) {
         let start = self.times[1];
         while self.corners.last().is_some_and(|corner| *corner <= start) {
             self.corners.pop();
         }
         // Beyond the last corner the data are constant.
         let end = self.corners.pop().unwrap_or(f64::INFINITY);
-        self.at = self.given(start);
-        self.change = self.given(if end.is_finite() { end } else { start }).plus(-1.0, &self.at);
+        self.at = loads.given(start);
+        self.change = loads.given(if end.is_finite() { end } else { start }).plus(-1.0, &self.at);
         self.times = [start, end];
     }
 
     /// Shortens the segment to start at `time` (s).
-    pub(super) fn begin_at(&mut self, time: f64) {
+    pub(super) fn begin_at(&mut self, time: f64, loads: &PathLoads<'_>) {
         if self.times[1].is_finite() {
             self.corners.push(self.times[1]);
         }
         self.times[1] = time;
-        self.next();
+        self.next(loads);
     }
 
     /// Returns the time after this share of the segment, s.
@@ -82,10 +83,12 @@ impl<'a> Stretch<'a> {
     pub(super) fn given_at(&self, share: f64) -> Given {
         self.at.plus(share, &self.change)
     }
+}
 
+impl PathLoads<'_> {
     /// Returns the data at a time, in the units of the path.
     fn given(&self, time: f64) -> Given {
-        let Stretch { problem, loading, scaling, .. } = self;
+        let PathLoads { problem, loading, scaling, tangents } = self;
         let (mut force, mut gap) = (vec![0.0; problem.displacements()], vec![0.0; problem.contacts()]);
         loading.force(time, &mut force);
         loading.gap_at(time, &mut gap);
@@ -97,7 +100,7 @@ impl<'a> Stretch<'a> {
         }
         let drifts = [0, 1].map(|k| loading.drift_at(time, k));
         let slide = |(i, tangent): (usize, &Option<usize>)| tangent.map_or(0.0, |k| drifts[k][i] / scaling.length);
-        let slide = self.tangents.iter().enumerate().map(slide).collect();
+        let slide = tangents.iter().enumerate().map(slide).collect();
         Given { force, gap, slide }
     }
 }

@@ -3,11 +3,9 @@
 use super::dictionary::Dictionary;
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::rate::Found;
-use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem};
-use super::refined::Refined;
-use super::sparse::SparseTangent;
-use super::stretch::Stretch;
-use super::tangent::Tangent;
+use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem, RateSearch};
+use super::stretch::{PathLoads, Stretch};
+use super::tangent::{Refined, SparseTangent, Taken, Tangent};
 use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::base::units::Scaling;
@@ -16,6 +14,7 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
+use serde::{Deserialize, Serialize};
 
 /// A distance, pressure or friction reserve below this share of the largest counts as zero.
 const NONE: f64 = 1e-13;
@@ -25,27 +24,41 @@ const STANDSTILL: usize = 50;
 
 /// The exact solution of a history up to the time reached.
 pub struct ExactPath<'a> {
-    problem: &'a ContactProblem,
-    scaling: Scaling,
+    loads: PathLoads<'a>,
     mu: &'a [f64],
     rough: Vec<bool>,
-    tangents: Vec<Option<usize>>,
-    pub(super) equations: Refined<'a>,
-    pub(super) stretch: Stretch<'a>,
+    equations: Refined<'a>,
+    now: Reached,
+}
+
+/// What a path has reached, from which it continues.
+#[derive(Clone, Serialize, Deserialize)]
+struct Reached {
+    #[serde(flatten)]
+    stretch: Stretch,
     /// The completed share of the load segment.
-    pub(super) share: f64,
-    pub(super) statuses: Vec<NodeStatus>,
+    share: f64,
+    statuses: Vec<NodeStatus>,
     /// The tangential position of each node at its last sticking, relative to the obstacle.
-    pub(super) stuck: Vec<f64>,
-    pub(super) at: NodalContact,
-    pub(super) rate: NodalContact,
+    stuck: Vec<f64>,
+    at: NodalContact,
+    rate: NodalContact,
     /// `true` if `rate` remains valid; otherwise some nodes have just reached the border of a law.
-    pub(super) decided: bool,
-    pub(super) hit: Vec<bool>,
+    decided: bool,
+    hit: Vec<bool>,
     /// The largest force and the largest displacement so far.
-    pub(super) largest: [f64; 2],
-    pub(super) standstill: usize,
-    pub(super) effort: Effort,
+    largest: [f64; 2],
+    standstill: usize,
+    effort: Effort,
+}
+
+/// A snapshot of an exact path between two steps.
+#[derive(Clone, Serialize, Deserialize)]
+pub(crate) struct SavedExactPath {
+    #[serde(flatten)]
+    now: Reached,
+    equations: Taken,
+    statistics: Statistics,
 }
 
 impl<'a> ExactPath<'a> {
@@ -79,14 +92,10 @@ impl<'a> ExactPath<'a> {
             }
         };
         let none = || NodalContact::zero(contacts);
-        let mut walk = ExactPath {
-            problem,
-            scaling,
-            mu: problem.mu(),
-            rough,
-            equations: Refined::new(problem, tangents.clone(), scaling, equations),
-            stretch: Stretch::first(problem, loading, scaling, tangents.clone()),
-            tangents,
+        let refined = Refined::new(problem, tangents.clone(), scaling, equations);
+        let loads = PathLoads { problem, loading, scaling, tangents };
+        let now = Reached {
+            stretch: Stretch::first(&loads),
             share: 0.0,
             statuses: vec![NodeStatus::Open; contacts],
             stuck: vec![0.0; contacts],
@@ -98,6 +107,7 @@ impl<'a> ExactPath<'a> {
             standstill: 0,
             effort: Effort::default(),
         };
+        let mut walk = ExactPath { loads, mu: problem.mu(), rough, equations: refined, now };
         walk.begin()?;
         Ok(walk)
     }
@@ -106,63 +116,63 @@ impl<'a> ExactPath<'a> {
     /// would be singular. Such a body first moves as a rigid body under the first loads, however small, until it
     /// comes to rest.
     fn begin(&mut self) -> Result<(), LinearError> {
-        let rest = if is_carried_without_strain(self.problem)? { self.rest() } else { None };
-        let gap = &self.stretch.at.gap;
+        let rest = if is_carried_without_strain(self.loads.problem)? { self.rest() } else { None };
+        let gap = &self.now.stretch.at.gap;
         let nodes = match rest {
             None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
             Some(Landing { weights, nodes }) => {
-                let u = self.problem.rigid_motion(&weights);
-                let [w_n, w_t, w_o] = self.problem.contact_motion(&u);
+                let u = self.loads.problem.rigid_motion(&weights);
+                let [w_n, w_t, w_o] = self.loads.problem.contact_motion(&u);
                 let w_t = self.along([&w_t, &w_o], 1.0);
-                self.at = NodalContact { w_n, w_t, u, ..NodalContact::zero(self.statuses.len()) };
+                self.now.at = NodalContact { w_n, w_t, u, ..NodalContact::zero(self.now.statuses.len()) };
                 nodes
             }
         };
         for i in nodes {
-            self.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+            self.now.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
         }
-        self.stuck = self.at.w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.now.stuck = self.now.at.w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
         Ok(())
     }
 
     /// Finds the rest position of a rigid body under the first loads; `None` if nothing stops it.
     fn rest(&self) -> Option<Landing> {
-        let Given { force, .. } = &self.stretch.change;
+        let Given { force, .. } = &self.now.stretch.change;
         let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
-        let gap = &self.stretch.at.gap;
+        let gap = &self.now.stretch.at.gap;
         let reach: Vec<f64> = gap.iter().map(|gap| NEARBY * gap.abs()).collect();
-        landing(self.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
+        landing(self.loads.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
     }
 
     /// Selects from values along both tangents those along each node's sliding tangent, in this `unit`.
     fn along(&self, values: [&Vec<f64>; 2], unit: f64) -> Vec<f64> {
-        self.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
+        self.loads.tangents.iter().enumerate().map(|(i, k)| k.map_or(0.0, |k| values[k][i] / unit)).collect()
     }
 
     /// Advances to the next load segment.
     fn next_stretch(&mut self) {
-        self.stretch.next();
-        (self.share, self.decided) = (0.0, false);
+        self.now.stretch.next(&self.loads);
+        (self.now.share, self.now.decided) = (0.0, false);
     }
 
     /// Returns the time reached, s.
     pub fn time(&self) -> f64 {
-        self.stretch.time_at(self.share)
+        self.now.stretch.time_at(self.now.share)
     }
 
     /// Returns `true` while the loads at t = 0 are still being applied, so that the state belongs to no time.
     pub fn is_beginning(&self) -> bool {
-        self.stretch.times[1] == 0.0
+        self.now.stretch.times[1] == 0.0
     }
 
     /// Returns the status of each contact node since the last event.
     pub fn statuses(&self) -> &[NodeStatus] {
-        &self.statuses
+        &self.now.statuses
     }
 
     /// Returns the cost of the rate problems so far.
     pub fn effort(&self) -> Effort {
-        self.effort
+        self.now.effort
     }
 
     /// Returns the statistics of the linear solver so far.
@@ -173,24 +183,24 @@ impl<'a> ExactPath<'a> {
     /// Returns the positions of the nodes along both tangents relative to their obstacles, n_c each, m; 0 along a
     /// tangent that a node does not have.
     pub fn places(&self) -> [Vec<f64>; 2] {
-        let slide = self.stretch.given_at(self.share).slide;
-        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.scaling.length;
-        self.equations.along_both(&self.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
+        let slide = self.now.stretch.given_at(self.now.share).slide;
+        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.loads.scaling.length;
+        self.equations.along_both(&self.now.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
     }
 
     /// Returns the external forces (N, n_u), the gaps and the motions of the obstacles along both tangents (m, n_c)
     /// in the state reached. In a segment that is short compared with the time, they cannot be computed from the
     /// time.
     pub(crate) fn given(&self) -> (Vec<f64>, Vec<f64>, [Vec<f64>; 2]) {
-        let Given { force, gap, slide } = self.stretch.given_at(self.share);
+        let Given { force, gap, slide } = self.now.stretch.given_at(self.now.share);
         let si = |values: Vec<f64>, unit: f64| values.into_iter().map(|value| value * unit).collect::<Vec<_>>();
-        let slide = si(slide, self.scaling.length);
-        (si(force, self.scaling.force), si(gap, self.scaling.length), self.equations.along_both(&slide))
+        let slide = si(slide, self.loads.scaling.length);
+        (si(force, self.loads.scaling.force), si(gap, self.loads.scaling.length), self.equations.along_both(&slide))
     }
 
     /// Returns the state reached, SI.
     pub fn state(&self) -> State {
-        self.equations.state(&self.at)
+        self.equations.state(&self.now.at)
     }
 
     /// Returns the linear solver for temporary use by other equations, if they can use it.
@@ -201,21 +211,21 @@ impl<'a> ExactPath<'a> {
     /// Continues from another `state` at `time`, later than the time reached, with these `statuses` of the contact
     /// nodes.
     pub(crate) fn continue_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
-        self.stretch.begin_at(time);
-        (self.share, self.decided) = (0.0, false);
-        let Scaling { force, length } = self.scaling;
-        let [w_n, w_t, w_o] = self.problem.contact_motion(&state.u);
+        self.now.stretch.begin_at(time, &self.loads);
+        (self.now.share, self.now.decided) = (0.0, false);
+        let Scaling { force, length } = self.loads.scaling;
+        let [w_n, w_t, w_o] = self.loads.problem.contact_motion(&state.u);
         let (w_t, p_t) = (self.along([&w_t, &w_o], length), self.along([&state.p_t, &state.p_o], force));
         let scaled = |values: &[f64], unit: f64| values.iter().map(|value| value / unit).collect::<Vec<_>>();
-        self.statuses = (0..statuses.len())
+        self.now.statuses = (0..statuses.len())
             .map(|i| match statuses[i] {
                 ContactStatus::Open => NodeStatus::Open,
                 ContactStatus::Stick if self.rough[i] => NodeStatus::Stick,
                 _ => NodeStatus::slip(p_t[i]),
             })
             .collect();
-        self.stuck = w_t.iter().zip(&self.stretch.at.slide).map(|(w, slide)| w - slide).collect();
-        self.at = NodalContact {
+        self.now.stuck = w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.now.at = NodalContact {
             w_n: scaled(&w_n, length),
             w_t,
             p_n: scaled(&state.p_n, force),
@@ -224,9 +234,9 @@ impl<'a> ExactPath<'a> {
             u_rest: scaled(&state.u_rest, length),
             rounding: 0.0,
         };
-        self.rate = NodalContact::zero(statuses.len());
-        (self.hit, self.standstill) = (vec![false; statuses.len()], 0);
-        self.measure(&self.stretch.at.clone());
+        self.now.rate = NodalContact::zero(statuses.len());
+        (self.now.hit, self.now.standstill) = (vec![false; statuses.len()], 0);
+        self.measure(&self.now.stretch.at.clone());
     }
 
     /// Returns the change of state due to forces (N, n_u) while no node changes its status, SI.
@@ -234,13 +244,31 @@ impl<'a> ExactPath<'a> {
     /// # Errors
     /// If the linear solver fails.
     pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
-        let zeros = || vec![0.0; self.statuses.len()];
-        let force = forces.iter().map(|f| f / self.scaling.force).collect();
-        let mut change = NodalContact::zero(self.statuses.len());
+        let zeros = || vec![0.0; self.now.statuses.len()];
+        let force = forces.iter().map(|f| f / self.loads.scaling.force).collect();
+        let mut change = NodalContact::zero(self.now.statuses.len());
         if !self.equations.solve(&Given { force, gap: zeros(), slide: zeros() }, &mut change)? {
             return Err(LinearError::NotFinite);
         }
         Ok(self.equations.state(&change))
+    }
+
+    /// Takes a snapshot of the path, from which it can continue later.
+    pub(crate) fn save(&self) -> SavedExactPath {
+        SavedExactPath { now: self.now.clone(), equations: self.equations.taken(), statistics: self.statistics() }
+    }
+
+    /// Restores the path from a snapshot. Returns `false` if the snapshot belongs to another problem.
+    ///
+    /// # Errors
+    /// If the linear solver fails.
+    pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Result<bool, LinearError> {
+        let fits = saved.fits(self.now.at.u.len(), self.now.statuses.len());
+        if !fits || !self.equations.take_up(&saved.equations)? {
+            return Ok(false);
+        }
+        self.now = saved.now;
+        Ok(true)
     }
 
     /// Advances to the next event, to the next corner of the loads, or to `until` (s), whichever comes first.
@@ -249,35 +277,36 @@ impl<'a> ExactPath<'a> {
     /// If the linear solver fails.
     pub fn step(&mut self, until: f64) -> Result<PathSegment, PathError> {
         let mut events = Vec::new();
-        let [start, end] = self.stretch.times;
+        let [start, end] = self.now.stretch.times;
         let wanted = if end.is_infinite() {
             0.0
         } else if until >= end {
             1.0
         } else {
-            ((until - start) / (end - start)).max(self.share)
+            ((until - start) / (end - start)).max(self.now.share)
         };
-        if !self.decided {
-            let before = self.statuses.clone();
+        if !self.now.decided {
+            let before = self.now.statuses.clone();
             if let Some(lost) = self.decide()? {
                 // The requested time is reached nevertheless. A further step will report the end of the path.
-                let stop = if wanted - self.share <= NONE { SegmentEnd::Until } else { SegmentEnd::PathEnd(lost) };
+                let stop = if wanted - self.now.share <= NONE { SegmentEnd::Until } else { SegmentEnd::PathEnd(lost) };
                 return Ok(PathSegment { events, friction_work: 0.0, stop });
             }
             let time = self.time();
-            let changed = before.into_iter().zip(&self.statuses).enumerate().filter(|(_, (from, to))| from != *to);
+            let changed = before.into_iter().zip(&self.now.statuses).enumerate().filter(|(_, (from, to))| from != *to);
             events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
         }
         let (reach, hit) = self.reach();
-        let target = if self.decided && end.is_infinite() { self.share } else { (self.share + reach).min(wanted) };
-        let happens = !end.is_infinite() && self.share + reach <= wanted;
+        let target =
+            if self.now.decided && end.is_infinite() { self.now.share } else { (self.now.share + reach).min(wanted) };
+        let happens = !end.is_infinite() && self.now.share + reach <= wanted;
         let friction_work = self.go(target);
-        self.hit = vec![false; self.statuses.len()];
+        self.now.hit = vec![false; self.now.statuses.len()];
         if happens && target < 1.0 {
-            self.standstill = if reach <= NONE { self.standstill + 1 } else { 0 };
-            self.hit = hit;
-            self.decided = false;
-            if self.standstill > STANDSTILL {
+            self.now.standstill = if reach <= NONE { self.now.standstill + 1 } else { 0 };
+            self.now.hit = hit;
+            self.now.decided = false;
+            if self.now.standstill > STANDSTILL {
                 let lost = PathEnd { time: self.time(), certain: false };
                 return Ok(PathSegment { events, friction_work, stop: SegmentEnd::PathEnd(lost) });
             }
@@ -288,46 +317,47 @@ impl<'a> ExactPath<'a> {
         }
         let arrived = until == end && start < end;
         if happens {
-            self.hit = hit;
+            self.now.hit = hit;
         }
-        let hit = std::mem::take(&mut self.hit);
+        let hit = std::mem::take(&mut self.now.hit);
         self.next_stretch();
-        self.hit = hit;
+        self.now.hit = hit;
         Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
     }
 
     /// Finds the next statuses and their rates.
     fn decide(&mut self) -> Result<Option<PathEnd>, PathError> {
-        let may: Vec<AdmissibleTransition> = (0..self.statuses.len()).map(|i| self.may(i)).collect();
-        let mut statuses: Vec<NodeStatus> = (0..self.statuses.len()).map(|i| self.guess(i, may[i])).collect();
+        let may: Vec<AdmissibleTransition> = (0..self.now.statuses.len()).map(|i| self.may(i)).collect();
+        let mut statuses: Vec<NodeStatus> = (0..self.now.statuses.len()).map(|i| self.guess(i, may[i])).collect();
         let problem = RateProblem {
-            problem: self.problem,
-            tangents: &self.tangents,
-            given: &self.stretch.change,
+            problem: self.loads.problem,
+            tangents: &self.loads.tangents,
+            given: &self.now.stretch.change,
             mu: self.mu,
             rough: &self.rough,
             may: &may,
         };
-        match problem.solve(&mut self.equations, &mut statuses, &mut self.rate, &mut self.effort)? {
+        let (tangent, rate, effort) = (&mut self.equations, &mut self.now.rate, &mut self.now.effort);
+        match (RateSearch { problem, tangent, rate, effort, best: None }).solve(&mut statuses)? {
             Found::Rates => {}
             found => {
                 // Restores the equations of the state reached.
-                self.equations.take(&self.statuses)?;
+                self.equations.take(&self.now.statuses)?;
                 return Ok(Some(PathEnd { time: self.time(), certain: matches!(found, Found::None) }));
             }
         }
-        let mut given = self.stretch.given_at(self.share);
+        let mut given = self.now.stretch.given_at(self.now.share);
         for (i, status) in statuses.iter().enumerate() {
-            if status.is_held() && !self.statuses[i].is_held() {
-                self.stuck[i] = self.at.w_t[i] - given.slide[i];
+            if status.is_held() && !self.now.statuses[i].is_held() {
+                self.now.stuck[i] = self.now.at.w_t[i] - given.slide[i];
             }
         }
-        (self.statuses, self.decided) = (statuses, true);
+        (self.now.statuses, self.now.decided) = (statuses, true);
         // Solving anew, instead of adding the rates, keeps rounding and the touching tolerance from accumulating.
-        given.slide.iter_mut().zip(&self.stuck).for_each(|(slide, stuck)| *slide += stuck);
-        let mut anew = NodalContact::zero(self.statuses.len());
+        given.slide.iter_mut().zip(&self.now.stuck).for_each(|(slide, stuck)| *slide += stuck);
+        let mut anew = NodalContact::zero(self.now.statuses.len());
         if self.equations.solve(&given, &mut anew)? {
-            self.at = anew;
+            self.now.at = anew;
         }
         self.measure(&given);
         Ok(None)
@@ -336,32 +366,34 @@ impl<'a> ExactPath<'a> {
     /// Records the largest force and displacement of a state under the `given` data.
     fn measure(&mut self, given: &Given) {
         let interference = given.gap.iter().fold(0.0_f64, |m, gap| m.max(-gap));
-        let [force, length] = self.largest;
-        self.largest =
-            [force.max(self.at.force_scale(given)), length.max(self.at.largest_displacement()).max(interference)];
+        let [force, length] = self.now.largest;
+        self.now.largest = [
+            force.max(self.now.at.force_scale(given)),
+            length.max(self.now.at.largest_displacement()).max(interference),
+        ];
     }
 
     /// Returns the distance of a node from its obstacle.
     fn distance(&self, i: usize) -> f64 {
-        self.stretch.at.gap[i] + self.share * self.stretch.change.gap[i] - self.at.w_n[i]
+        self.now.stretch.at.gap[i] + self.now.share * self.now.stretch.change.gap[i] - self.now.at.w_n[i]
     }
 
     /// Returns how far the friction of a node is from the border of its cone in the direction of `sign`.
     fn reserve(&self, i: usize, sign: f64) -> f64 {
-        self.mu[i] * self.at.p_n[i] - sign * self.at.p_t[i]
+        self.mu[i] * self.now.at.p_n[i] - sign * self.now.at.p_t[i]
     }
 
     /// Returns the admissible statuses of node `i` at its present position among the laws.
     fn may(&self, i: usize) -> AdmissibleTransition {
-        let [force, length] = self.largest;
-        match self.statuses[i] {
-            NodeStatus::Open if self.hit[i] || self.distance(i) <= NONE * length => AdmissibleTransition::Anything,
+        let [force, length] = self.now.largest;
+        match self.now.statuses[i] {
+            NodeStatus::Open if self.now.hit[i] || self.distance(i) <= NONE * length => AdmissibleTransition::Anything,
             NodeStatus::Open => AdmissibleTransition::Stay,
-            _ if self.at.p_n[i] <= NONE * force => AdmissibleTransition::Anything,
+            _ if self.now.at.p_n[i] <= NONE * force => AdmissibleTransition::Anything,
             status if status.sign() != 0.0 && self.rough[i] => AdmissibleTransition::Turn(status.sign()),
             NodeStatus::Stick => {
-                let sign = if self.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
-                if self.hit[i] || self.reserve(i, sign) <= NONE * force {
+                let sign = if self.now.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
+                if self.now.hit[i] || self.reserve(i, sign) <= NONE * force {
                     AdmissibleTransition::Turn(sign)
                 } else {
                     AdmissibleTransition::Stay
@@ -373,10 +405,10 @@ impl<'a> ExactPath<'a> {
 
     /// Guesses the initial status of node `i` from its last rates.
     fn guess(&self, i: usize, may: AdmissibleTransition) -> NodeStatus {
-        let status = self.statuses[i];
-        let slip = self.rate.w_t[i] - self.stretch.change.slide[i];
+        let status = self.now.statuses[i];
+        let slip = self.now.rate.w_t[i] - self.now.stretch.change.slide[i];
         match (may, status) {
-            _ if !self.hit[i] => status,
+            _ if !self.now.hit[i] => status,
             (AdmissibleTransition::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
             (AdmissibleTransition::Anything, NodeStatus::Open) => NodeStatus::Forward,
             (AdmissibleTransition::Anything, _) => NodeStatus::Open,
@@ -387,16 +419,16 @@ impl<'a> ExactPath<'a> {
 
     /// Returns the share of the segment at which a node first reaches the border of a law, and which nodes do.
     fn reach(&self) -> (f64, Vec<bool>) {
-        let ExactPath { rate, stretch, .. } = self;
+        let Reached { rate, stretch, .. } = &self.now;
         let force = rate.force_scale(&stretch.change);
         let length = rate.largest_displacement().max(largest(&stretch.change.gap));
         let until = |left: f64, pace: f64, scale: f64| {
             if pace > RATE_ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
         };
-        let of_node = |i: usize| match self.statuses[i] {
+        let of_node = |i: usize| match self.now.statuses[i] {
             NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),
             status => {
-                let leaves = until(self.at.p_n[i], -rate.p_n[i], force);
+                let leaves = until(self.now.at.p_n[i], -rate.p_n[i], force);
                 if status != NodeStatus::Stick {
                     return leaves;
                 }
@@ -405,22 +437,49 @@ impl<'a> ExactPath<'a> {
                 leaves.min(slips(1.0)).min(slips(-1.0))
             }
         };
-        let shares: Vec<f64> = (0..self.statuses.len()).map(of_node).collect();
+        let shares: Vec<f64> = (0..self.now.statuses.len()).map(of_node).collect();
         let least = shares.iter().fold(f64::INFINITY, |m, share| m.min(*share));
         (least, shares.iter().map(|share| *share <= least + NONE).collect())
     }
 
     /// Advances to `share` of the segment. Returns the work that friction dissipates in the step, J.
     fn go(&mut self, share: f64) -> f64 {
-        let (before, passed) = (self.at.p_t.clone(), share - self.share);
-        self.at.add(passed, &self.rate);
-        self.share = share;
-        self.measure(&self.stretch.given_at(share));
+        let (before, passed) = (self.now.at.p_t.clone(), share - self.now.share);
+        self.now.at.add(passed, &self.now.rate);
+        self.now.share = share;
+        self.measure(&self.now.stretch.given_at(share));
         let of_node = |i: usize| {
-            let slip = passed * (self.rate.w_t[i] - self.stretch.change.slide[i]);
-            0.5 * (before[i] + self.at.p_t[i]) * slip
+            let slip = passed * (self.now.rate.w_t[i] - self.now.stretch.change.slide[i]);
+            0.5 * (before[i] + self.now.at.p_t[i]) * slip
         };
-        let slipping = (0..self.statuses.len()).filter(|&i| self.statuses[i].sign() != 0.0);
-        slipping.map(of_node).sum::<f64>() * self.scaling.force * self.scaling.length
+        let slipping = (0..self.now.statuses.len()).filter(|&i| self.now.statuses[i].sign() != 0.0);
+        slipping.map(of_node).sum::<f64>() * self.loads.scaling.force * self.loads.scaling.length
+    }
+}
+
+impl SavedExactPath {
+    /// Returns the statistics of the linear solver at the snapshot.
+    pub(crate) fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// Returns `true` if the snapshot has these numbers of displacements and contact nodes.
+    fn fits(&self, displacements: usize, contacts: usize) -> bool {
+        let given = |given: &Given| {
+            given.force.len() == displacements && given.gap.len() == contacts && given.slide.len() == contacts
+        };
+        let contact = |contact: &NodalContact| {
+            let NodalContact { w_n, w_t, p_n, p_t, u, u_rest, .. } = contact;
+            // Rates that were never computed have no displacements.
+            [w_n, w_t, p_n, p_t].iter().all(|values| values.len() == contacts)
+                && [u, u_rest].iter().all(|values| [0, displacements].contains(&values.len()))
+        };
+        given(&self.now.stretch.at)
+            && given(&self.now.stretch.change)
+            && contact(&self.now.at)
+            && self.now.at.u.len() == displacements
+            && contact(&self.now.rate)
+            && [self.now.statuses.len(), self.now.stuck.len(), self.now.hit.len()] == [contacts; 3]
+            && [0, contacts].contains(&self.equations.statuses.len())
     }
 }

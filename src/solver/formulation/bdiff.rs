@@ -1,25 +1,27 @@
 //! The B-differentiable formulation: `H_N` (19) and its linearisation (21) on `z = (u, p_t, p_o, p_n)`.
+//!
+//! # The change of a solution with the data of the increments, by the last linearisation
+//!
+//! While no contact node changes its case, the equations of an increment are affine (if slip turns, to first order)
+//! and have the matrix of the last linearisation: one substitution leads from a solution to the next.
 
-mod changes;
 mod free;
-mod kept;
-mod slide;
-mod tangent;
 
-pub use kept::Linearization;
+use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::null_space::NEGLIGIBLE;
+use crate::solver::laws::coulomb::{
+    DirectionalDerivative, NormalCase, TangentialCase, direction, length, normal_case, normal_case_ahead,
+    tangential_case, tangential_case_ahead,
+};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 
 use super::mixed::{MixedMatrix, TangentialRow};
-use super::natural::Pressure;
-use super::natural::{NaturalRows, half_square};
+use super::natural::{NaturalRows, Pressure, half_square};
 use super::scaled::ScaledData;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::algebra::sparse::DoubleDouble;
 use crate::base::units::Scaling;
-use crate::solver::laws::coulomb::{
-    DirectionalDerivative, NormalCase, TangentialCase, normal_case, normal_case_ahead, tangential_case,
-    tangential_case_ahead,
-};
 use crate::solver::problem::{ContactProblem, Increment, strained};
 
 /// `H_N` of a problem, in the units of its scaling, with its Jacobian on one fixed pattern.
@@ -122,11 +124,7 @@ impl Bdiff {
                     Some(rest) => data.slip_beyond(i, z, rest),
                 };
                 let tangential = rows.tangential(data, i, data.friction(i, z), pressure, slip);
-                for (k, row) in data.layout.tangential(i).into_iter().zip(tangential) {
-                    if let Some(k) = k {
-                        h[k] = row;
-                    }
-                }
+                data.layout.set_tangential(i, tangential, h);
             }
         }
     }
@@ -294,11 +292,8 @@ impl Bdiff {
         }
         for i in 0..self.layout().contacts() {
             let Some((_, Some(TangentialCase::Slip { direction, .. }))) = self.cases[i] else { continue };
-            for (k, n) in self.layout().tangential(i).into_iter().zip(direction) {
-                if let Some(k) = k {
-                    h[k] -= self.data.mu[i] * n * h[self.layout().p_n(i)];
-                }
-            }
+            let (h_n, h_t) = (h[self.layout().p_n(i)], self.data.friction(i, h));
+            self.layout().set_tangential(i, [0, 1].map(|d| h_t[d] - self.data.mu[i] * direction[d] * h_n), h);
         }
     }
 
@@ -329,5 +324,237 @@ impl Bdiff {
     /// Returns `true` if `H` is affine, so that a single step solves it.
     pub fn is_affine(&self) -> bool {
         self.layout().contacts() == 0
+    }
+}
+
+/// The length of a motion, relative to the displacements and to the motion of obstacles, whose direction is the slip of
+/// every node that it moves.
+const FAR: f64 = 1e3;
+
+impl Bdiff {
+    /// Linearises for friction against the rigid motion with these weights at the nodes that press in `p_n` (n_c); the
+    /// other nodes are open. Pins the modes that nothing but this friction resists.
+    pub fn linearize_sliding(&mut self, p_n: &[f64], weights: &[f64]) {
+        let motion = self.data.motion(weights, self.unknowns());
+        let along: Vec<[f64; 2]> = (0..p_n.len()).map(|i| self.data.tangential(i, &motion)).collect();
+        let farthest = along.iter().fold(0.0_f64, |m, w| m.max(length(*w)));
+        let cases = along.iter().zip(p_n).map(|(w, p_n)| match p_n {
+            p_n if *p_n <= 0.0 => (NormalCase::Open, TangentialCase::NoPressure),
+            _ if length(*w) <= NEGLIGIBLE * farthest => (NormalCase::Closed, TangentialCase::Stick),
+            _ => (NormalCase::Closed, TangentialCase::Slip { direction: direction(*w), turning: [[0.0; 2]; 2] }),
+        });
+        self.set_cases(cases.collect::<Vec<_>>());
+        self.pin_unconstrained_modes();
+    }
+
+    /// Returns `true` if all nodes of the parts that the motion moves have the cases of [`Bdiff::linearize_sliding`] at `z`
+    /// and however far they move on along it; `part` are the parts of the nodes. The solution `z` of its equations then obeys
+    /// every law of contact there, while the pins carry what friction does not. Other parts know nothing of it.
+    pub fn slides_on(&self, z: &[f64], weights: &[f64], part: &[usize]) -> bool {
+        let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let motion = self.data.motion(weights, z.len());
+        let data = &self.data;
+        let lengths = [&z[..self.layout().displacements()], &data.w_t_last, &data.w_o_last].map(largest);
+        let size = FAR * lengths.into_iter().fold(0.0, f64::max) / largest(&motion);
+        let ahead: Vec<f64> = z.iter().zip(&motion).map(|(z, u)| z + size * u).collect();
+        let slips = |i: &usize| matches!(self.cases[*i], Some((_, Some(TangentialCase::Slip { .. }))));
+        let moved: BTreeSet<usize> = (0..part.len()).filter(slips).map(|i| part[i]).collect();
+        (0..part.len()).filter(|i| moved.contains(&part[*i])).all(|i| self.keeps_case(i, &ahead))
+    }
+
+    /// Returns the trial normal forces `p_n + r (w_n - g)` at `z`, at least 0, in the unit of the scaling.
+    pub fn pressing(&self, z: &[f64]) -> Vec<f64> {
+        let data = &self.data;
+        let trial = |i: usize| z[data.layout.p_n(i)] + self.rows.r_n[i] * (data.w_n(i, z) - data.gap[i]);
+        (0..data.layout.contacts()).map(|i| trial(i).max(0.0)).collect()
+    }
+}
+
+impl Bdiff {
+    /// Returns `true` if there is a linearisation without pinned modes.
+    pub fn has_tangent(&self) -> bool {
+        !self.is_pinned() && self.cases.iter().all(Option::is_some)
+    }
+
+    /// Returns the residual at `z`, with the data of the present increment, of the equations with the matrix of the
+    /// last linearisation: `w_n = g` if a node is closed, `p_n = 0` if it is open, `Δw_T = 0` if it sticks, `p_T = 0`
+    /// without pressure, and `p_T = μ p_n n + R r Δw_T` if it slips.
+    ///
+    /// # Errors
+    /// As [`Bdiff::residual`].
+    pub fn residual_of_cases(&self, z: &[f64]) -> Result<Vec<f64>, LinearError> {
+        let Bdiff { data, rows, .. } = self;
+        let mut h = vec![0.0; z.len()];
+        self.residual(z, &mut h)?;
+        for (i, case) in self.cases.iter().enumerate() {
+            let Some((normal, tangential)) = *case else { continue };
+            let p_n = data.layout.p_n(i);
+            h[p_n] = match normal {
+                NormalCase::Open => -z[p_n],
+                NormalCase::Closed => rows.r_n[i] * (data.w_n(i, z) - data.gap[i]),
+            };
+            let Some(tangential) = tangential else { continue };
+            let (p, slip) = (data.friction(i, z), data.slip(i, data.tangential(i, z)));
+            let moved = slip.map(|w| rows.r_t[i] * w);
+            let row = match tangential {
+                TangentialCase::NoPressure => p.map(|p| -p),
+                TangentialCase::Stick => moved,
+                TangentialCase::Slip { direction, turning } => [0, 1].map(|d| {
+                    let turned = turning[d][0] * moved[0] + turning[d][1] * moved[1];
+                    data.mu[i] * direction[d] * z[p_n] - p[d] + turned
+                }),
+            };
+            data.layout.set_tangential(i, row, &mut h);
+        }
+        Ok(h)
+    }
+
+    /// Makes nodes slip that were open in the last linearisation and are closed at `z`: puts their `p_T` on the cone,
+    /// along their slip. A closing node has moved tangentially, and immediate sticking would hold it without a
+    /// reason.
+    pub fn slip_where_closing(&self, z: &mut [f64]) {
+        let data = &self.data;
+        for (i, case) in self.cases.iter().enumerate() {
+            let trial = z[data.layout.p_n(i)] + self.rows.r_n[i] * (data.w_n(i, z) - data.gap[i]);
+            if !matches!(case, Some((NormalCase::Open, _))) || trial <= 0.0 {
+                continue;
+            }
+            let along = direction(data.slip(i, data.tangential(i, z)));
+            data.layout.set_tangential(i, along.map(|n| data.mu[i] * trial * n), z);
+        }
+    }
+}
+
+/// Slip directions count as different if the cosine between them is smaller.
+const ALIKE: f64 = 0.99;
+
+impl Bdiff {
+    /// Returns the tangential case of node `i` at `z`: [`TangentialCase::NoPressure`] if the node is open or has no
+    /// friction.
+    pub fn friction_case(&self, i: usize, z: &[f64]) -> TangentialCase {
+        match self.case(i, z) {
+            (NormalCase::Closed, Some(case)) => case,
+            _ => TangentialCase::NoPressure,
+        }
+    }
+
+    /// Returns `true` if node `i` is closed at `z`.
+    pub fn is_closed(&self, i: usize, z: &[f64]) -> bool {
+        self.case(i, z).0 == NormalCase::Closed
+    }
+
+    /// Returns `true` if the last linearisation has these cases (closed or not, tangential case), ignoring small
+    /// changes of slip direction.
+    pub fn is_linearized_for(&self, cases: &[(bool, TangentialCase)]) -> bool {
+        let alike = |last: &TangentialCase, case: &TangentialCase| match (last, case) {
+            (TangentialCase::Slip { direction: n, .. }, TangentialCase::Slip { direction: m, .. }) => {
+                n[0] * m[0] + n[1] * m[1] > ALIKE
+            }
+            (last, case) => last == case,
+        };
+        self.cases.iter().zip(cases).all(|(last, &(closed, case))| match last {
+            None => false,
+            Some((normal, last)) => {
+                closed == (*normal == NormalCase::Closed)
+                    && last.as_ref().is_none_or(|last| !closed || alike(last, &case))
+            }
+        })
+    }
+
+    /// Linearises for these cases, as [`Bdiff::linearize`] does for those of a `z`.
+    pub fn linearize_for(&mut self, cases: &[(bool, TangentialCase)]) {
+        self.write_cases(|this, i| {
+            let (closed, case) = cases[i];
+            (closed.into(), this.layout().has_friction(i).then_some(case))
+        });
+    }
+
+    /// Returns the right-hand side of [`Bdiff::jacobian`] for the change of a solution when the forces change by
+    /// `force`, the gaps by `gap`, and the origins of slip by `origin`, with the cases of the last linearisation.
+    pub fn change(&self, force: impl IntoIterator<Item = f64>, gap: &[f64], origin: &[[f64; 2]]) -> Vec<f64> {
+        let mut b = vec![0.0; self.unknowns()];
+        b.iter_mut().zip(force).for_each(|(b, force)| *b = force);
+        for (i, (gap, origin)) in gap.iter().zip(origin).enumerate() {
+            let Some((normal, tangential)) = self.cases[i] else { continue };
+            if normal == NormalCase::Closed {
+                b[self.layout().p_n(i)] = self.rows.r_n[i] * gap;
+            }
+            let moved = match tangential {
+                Some(TangentialCase::Stick) => *origin,
+                Some(TangentialCase::Slip { turning, .. }) => {
+                    turning.map(|row| row[0] * origin[0] + row[1] * origin[1])
+                }
+                Some(TangentialCase::NoPressure) | None => continue,
+            };
+            self.layout().set_tangential(i, moved.map(|moved| self.rows.r_t[i] * moved), &mut b);
+        }
+        b
+    }
+
+    /// Returns `w_n` of node `i` in a `z`, or in a change of one.
+    pub fn w_n(&self, i: usize, z: &[f64]) -> f64 {
+        self.data.w_n(i, z)
+    }
+
+    /// Returns `w_T` of node `i`.
+    pub fn w_t(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        self.data.tangential(i, z)
+    }
+
+    /// Returns `p_T` of node `i`.
+    pub fn p_t(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        self.data.friction(i, z)
+    }
+
+    /// Returns the slip increment of node `i` at `z`.
+    pub fn slip(&self, i: usize, z: &[f64]) -> [f64; 2] {
+        self.data.slip(i, self.data.tangential(i, z))
+    }
+
+    /// Returns the gap, the coefficient of friction and the origins of slip of node `i` in this increment.
+    pub fn at_node(&self, i: usize) -> (f64, f64, [f64; 2]) {
+        (self.data.gap[i], self.data.mu[i], [self.data.w_t_last[i], self.data.w_o_last[i]])
+    }
+
+    /// Returns the forces of this increment.
+    pub fn force(&self) -> &[f64] {
+        &self.data.force
+    }
+}
+
+/// The cases of the last linearisation and the friction coefficients of its slip rows. Slip coefficients are reused
+/// while the slip direction changes little, so they cannot be reconstructed from `z`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Linearization {
+    cases: Vec<Option<Case>>,
+    mu: Vec<f64>,
+}
+
+impl Bdiff {
+    /// Returns a snapshot of the last linearisation.
+    pub fn linearization(&self) -> Linearization {
+        Linearization { cases: self.cases.clone(), mu: self.data.mu.to_vec() }
+    }
+
+    /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
+    pub fn linearize_as(&mut self, kept: &Linearization) -> bool {
+        let contacts = self.layout().contacts();
+        let has_friction = |i: usize| self.layout().has_friction(i);
+        let fits = |(i, case): (usize, &Option<Case>)| case.is_none_or(|(_, case)| case.is_some() == has_friction(i));
+        if [kept.cases.len(), kept.mu.len()] != [contacts; 2] || !kept.cases.iter().enumerate().all(fits) {
+            return false;
+        }
+        self.data.mu = kept.mu.clone().into();
+        self.cases.fill(None);
+        self.matrix.release();
+        for (i, case) in kept.cases.iter().enumerate() {
+            if let Some(case) = case {
+                self.write_rows(i, *case);
+            }
+        }
+        if kept.cases.iter().any(Option::is_some) {
+            self.pin_unconstrained_modes();
+        }
+        true
     }
 }

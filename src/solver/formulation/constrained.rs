@@ -15,25 +15,16 @@
 //!
 //! A node without friction or without tangential freedom has no `p_t`, `s` and `λ`.
 
-mod face;
-mod layout;
-mod reduced;
-
-pub use layout::SlackLayout;
-
 use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::interior::InteriorPoint;
-use super::natural::{NaturalRows, half_square};
-use super::pairs::{Face, Pair, largest_step, least, reach};
-use super::scaled::ScaledData;
+use super::interior::{Face, InteriorPoint, Pair, Paired, largest_step, least, reach};
+use super::mixed::TangentialRow;
+use super::natural::half_square;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::linear::{LinearError, SystemMatrix};
 use crate::base::units::Scaling;
-use crate::solver::problem::{ContactProblem, Increment};
-use reduced::Reduced;
+use crate::solver::problem::ContactProblem;
 
 /// The equations that stay positive, besides the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -48,13 +39,9 @@ pub enum Partition {
 
 /// `H_I` of a problem, in the units of its scaling.
 pub struct Constrained {
-    data: ScaledData,
-    natural: NaturalRows,
+    paired: Paired,
     layout: SlackLayout,
-    /// The complementary pairs of unknowns, with the place of their product.
-    pairs: Vec<Pair>,
     partition: Partition,
-    system: Reduced,
 }
 
 impl Constrained {
@@ -70,11 +57,9 @@ impl Constrained {
 
     /// Creates `H_I` on an assembled problem.
     pub fn on(assembled: Assembled, conventions: &FormulationScaling, partition: Partition) -> Self {
-        let Assembled { data, matrix } = assembled;
-        let system = Reduced::new(matrix, data.layout.contacts());
-        let layout = SlackLayout::new(&data.layout);
-        let pairs = layout.pairs().collect();
-        Constrained { natural: NaturalRows::new(conventions, &data.scaling), data, layout, pairs, partition, system }
+        let layout = SlackLayout::new(assembled.layout());
+        let paired = Paired::new(assembled, conventions, layout.pairs().collect());
+        Constrained { paired, layout, partition }
     }
 
     /// Returns the layout of `z`.
@@ -84,17 +69,17 @@ impl Constrained {
 
     /// Returns `μ` of every contact node.
     pub fn mu(&self) -> &[f64] {
-        &self.data.mu
+        &self.paired.data.mu
     }
 
     /// Returns n_2, the number of rows of `G`.
     pub fn n_2(&self) -> usize {
-        self.pairs.len() + self.positive_cone_rows().len()
+        self.paired.pairs.len() + self.positive_cone_rows().len()
     }
 
     /// Returns the places of the rows of `G`.
     pub fn g_rows(&self) -> impl Iterator<Item = usize> + '_ {
-        self.pairs.iter().map(|pair| pair.length).chain(self.positive_cone_rows())
+        self.paired.pairs.iter().map(|pair| pair.length).chain(self.positive_cone_rows())
     }
 
     /// Returns the places of the cone rows in `G`: all with (26)–(28), none with (29)–(31).
@@ -112,7 +97,7 @@ impl Constrained {
 
     /// Refers the forces of dependent nodes to those in `z`, so that their compliance is in the matrix alone.
     pub fn refer_to(&mut self, z: &[f64]) {
-        self.data.refer_to(z);
+        self.paired.data.refer_to(z);
     }
 
     /// Returns `t ↦ ψ(z + t dz)` (13), with `h = H_I(z)` and a direction `dz` that solves (14) with `centring = σ β`.
@@ -134,7 +119,7 @@ impl Constrained {
                 sum += g;
                 logarithms += g.ln();
             };
-            self.pairs.iter().for_each(|pair| add(at(pair.force) * at(pair.length)));
+            self.paired.pairs.iter().for_each(|pair| add(at(pair.force) * at(pair.length)));
             self.positive_cone_rows().for_each(|k| add((1.0 - t) * h[k] + t * centring));
             zeta * ((1.0 - t).powi(2) * f_square + sum).ln() - logarithms
         }
@@ -144,94 +129,87 @@ impl Constrained {
     /// largest. `h` is the residual at `z`, and `centring` the target of the rows of `G`.
     pub fn largest_step(&self, z: &[f64], dz: &[f64], h: &[f64], centring: f64) -> f64 {
         let cone = self.positive_cone_rows().map(|k| reach(h[k], centring - h[k]));
-        least(cone.chain([largest_step(&self.pairs, z, dz)]))
+        least(cone.chain([largest_step(&self.paired.pairs, z, dz)]))
     }
 }
 
 impl InteriorPoint for Constrained {
-    fn unknowns(&self) -> usize {
-        self.layout.unknowns()
+    fn paired(&self) -> &Paired {
+        &self.paired
     }
 
-    fn forces(&self) -> &Layout {
-        &self.data.layout
+    fn paired_mut(&mut self) -> &mut Paired {
+        &mut self.paired
     }
 
-    fn scaling(&self) -> &Scaling {
-        &self.data.scaling
+    fn friction_rows(&self, i: usize, z: &[f64], h: &mut [f64]) {
+        let (data, layout) = (&self.paired.data, &self.layout);
+        let Some(p_t) = data.layout.p_t(i) else { return };
+        let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
+        let p_n = data.layout.p_n(i);
+        h[p_t] = z[l_plus] - z[l_minus] - (data.w_t(i, z) - data.w_t_last[i]);
+        h[s_plus] = z[s_plus] - data.mu[i] * z[p_n] + z[p_t];
+        h[s_minus] = z[s_minus] - data.mu[i] * z[p_n] - z[p_t];
     }
 
-    fn pairs(&self) -> &[Pair] {
-        &self.pairs
+    /// Writes the slip row. With the right-hand sides `b_w` (slip row), `b_s` (cone rows) and `b_sλ` (products), the rows
+    /// of `s` give `ds± = b_s± + μ dp_n ∓ dp_t`. In the products they leave
+    ///
+    /// `(λ⁺ s⁻ + λ⁻ s⁺) dp_t - μ (λ⁺ s⁻ - λ⁻ s⁺) dp_n - s⁺ s⁻ dw_t
+    ///   = s⁺ s⁻ b_w + s⁻ (λ⁺ b_s⁺ - b_sλ⁺) - s⁺ (λ⁻ b_s⁻ - b_sλ⁻)`
+    ///
+    /// The row is multiplied by `s⁺ s⁻`, so that nothing is divided by a quantity that goes to zero. It is in the pattern
+    /// of (21).
+    fn linearize_friction(&mut self, i: usize, z: &[f64]) {
+        let Some(p_t) = self.forces().p_t(i) else { return };
+        let [s_plus, s_minus] = self.layout.s(p_t).map(|k| z[k]);
+        let [l_plus, l_minus] = self.layout.lambda(p_t).map(|k| z[k]);
+        let (by_plus, by_minus, by_w_t) = (l_plus * s_minus, l_minus * s_plus, s_plus * s_minus);
+        let scale = (by_plus + by_minus).max(by_w_t);
+        let by_p_n = -self.paired.data.mu[i] * (by_plus - by_minus);
+        let row =
+            TangentialRow { w: [-by_w_t / scale, 0.0], p: [(by_plus + by_minus) / scale, 0.0], p_n: by_p_n / scale };
+        self.paired.matrix.set_tangential(i, 0, &row);
+        self.paired.row_scale[i][1] = scale;
     }
 
-    fn distance(&self, i: usize, z: &[f64]) -> f64 {
-        self.data.gap[i] - self.data.w_n(i, z)
+    fn reduce_friction(&self, i: usize, z: &[f64], b: &[f64], rhs: &mut [f64]) {
+        let Some(p_t) = self.forces().p_t(i) else { return };
+        let ([s_plus, s_minus], [l_plus, l_minus]) = (self.layout.s(p_t), self.layout.lambda(p_t));
+        let plus = z[s_minus] * (z[l_plus] * b[s_plus] - b[l_plus]);
+        let minus = z[s_plus] * (z[l_minus] * b[s_minus] - b[l_minus]);
+        rhs[p_t] = (z[s_plus] * z[s_minus] * b[p_t] + plus - minus) / self.paired.row_scale[i][1];
     }
 
-    fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
-        self.data.begin(increment, z);
-    }
-
-    fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
-        let Constrained { data, layout, .. } = self;
-        // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t - f.
-        let matrix = self.matrix();
-        let n = matrix.order();
-        matrix.mul(&z[..n], &mut h[..n])?;
-        for (row, force) in h.iter_mut().zip(&data.force) {
-            *row -= force;
+    fn recover_friction(&self, i: usize, z: &[f64], b: &[f64], dz: &mut [f64]) {
+        let data = &self.paired.data;
+        let Some(p_t) = data.layout.p_t(i) else { return };
+        let ([s_plus, s_minus], [l_plus, l_minus]) = (self.layout.s(p_t), self.layout.lambda(p_t));
+        for (sign, s, lambda) in [(1.0, s_plus, l_plus), (-1.0, s_minus, l_minus)] {
+            dz[s] = b[s] + data.mu[i] * dz[data.layout.p_n(i)] - sign * dz[p_t];
+            dz[lambda] = (b[lambda] - z[lambda] * dz[s]) / z[s];
         }
-        for i in 0..data.layout.contacts() {
-            let p_n = data.layout.p_n(i);
-            h[p_n] = z[layout.v_n(i)] - self.distance(i, z);
-            if let Some(p_t) = data.layout.p_t(i) {
-                let ([s_plus, s_minus], [l_plus, l_minus]) = (layout.s(p_t), layout.lambda(p_t));
-                h[p_t] = z[l_plus] - z[l_minus] - (data.w_t(i, z) - data.w_t_last[i]);
-                h[s_plus] = z[s_plus] - data.mu[i] * z[p_n] + z[p_t];
-                h[s_minus] = z[s_minus] - data.mu[i] * z[p_n] - z[p_t];
-            }
+        // If a node slips, λ follows from the slip row.
+        let slip = b[p_t] + data.w_t(i, dz);
+        let (slips_plus, slips_minus) = (z[s_plus] < z[l_plus], z[s_minus] < z[l_minus]);
+        if slips_plus && !slips_minus {
+            dz[l_plus] = dz[l_minus] + slip;
+            dz[s_plus] = (b[l_plus] - z[s_plus] * dz[l_plus]) / z[l_plus];
+        } else if slips_minus && !slips_plus {
+            dz[l_minus] = dz[l_plus] - slip;
+            dz[s_minus] = (b[l_minus] - z[s_minus] * dz[l_minus]) / z[l_minus];
         }
-        for pair in &self.pairs {
-            h[pair.length] = z[pair.force] * z[pair.length];
-        }
-        Ok(())
-    }
-
-    fn theta(&self, z: &[f64], h: &[f64]) -> f64 {
-        let equilibrium = half_square(&h[..self.data.layout.displacements()]);
-        self.natural.theta(&self.data, equilibrium, z, z, 0.0)
-    }
-
-    fn linearize(&mut self, z: &[f64]) {
-        self.system.linearize(&self.data, &self.layout, z);
-    }
-
-    fn matrix(&self) -> &SystemMatrix {
-        self.system.matrix()
-    }
-
-    fn reduce(&self, z: &[f64], b: &[f64], rhs: &mut [f64]) {
-        self.system.reduce(&self.data, &self.layout, z, b, rhs);
-    }
-
-    fn recover(&self, z: &[f64], b: &[f64], dz: &mut [f64]) {
-        reduced::recover(&self.data, &self.layout, z, b, dz);
-    }
-
-    fn unconstrained_mode(&self) -> Option<Vec<f64>> {
-        self.data.unconstrained_mode()
     }
 
     /// Chooses the distance from the last solution by the scales.
     fn move_inside(&self, z: &mut [f64], force: f64, length: f64) {
-        let layout = &self.layout;
-        for i in 0..self.data.layout.contacts() {
-            let (p_n, v_n) = (self.data.layout.p_n(i), layout.v_n(i));
+        let (data, layout) = (&self.paired.data, &self.layout);
+        for i in 0..data.layout.contacts() {
+            let (p_n, v_n) = self.paired.normal(i);
             let pressure = z[p_n].max(0.0);
-            if let Some(p_t) = self.data.layout.p_t(i) {
-                let (mu, s, lambda) = (self.data.mu[i], layout.s(p_t), layout.lambda(p_t));
-                let [slip, _] = self.data.slip_beyond_reach(i, z, length);
+            if let Some(p_t) = data.layout.p_t(i) {
+                let (mu, s, lambda) = (data.mu[i], layout.s(p_t), layout.lambda(p_t));
+                let [slip, _] = data.slip_beyond_reach(i, z, length);
                 for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
                     let reserve = (mu * pressure - sign * z[p_t]).max(0.0);
                     (z[s], z[lambda]) = central_pair(reserve, mu * force, (sign * slip).max(0.0), length);
@@ -242,8 +220,27 @@ impl InteriorPoint for Constrained {
         }
     }
 
+    /// Returns the face that a step from `before` to `z` has approached: the member of each pair that has shrunk more
+    /// vanishes (Tapia's indicator). It compares no force with a length, so it does not depend on units. `H_I` is linear
+    /// on a face, so on the right face a single Newton step ends the iteration.
     fn face_ahead(&self, before: &[f64], z: &[f64]) -> Option<Face> {
-        Some(self.face_between(before, z))
+        let force_shrinks_more =
+            |pair: &Pair| z[pair.force] * before[pair.length] <= z[pair.length] * before[pair.force];
+        let mut vanishes: Vec<bool> = self.pairs().iter().map(force_shrinks_more).collect();
+        // Without pressure both s vanish, and with them p_t, so the row of the first s suffices. With pressure at
+        // most one s vanishes.
+        let (n_c, n_t) = (self.forces().contacts(), self.forces().tangentials());
+        for i in 0..n_c {
+            let Some(p_t) = self.forces().p_t(i) else { continue };
+            let plus = n_c + p_t - self.forces().displacements();
+            let minus = plus + n_t;
+            if vanishes[i] || vanishes[plus] && vanishes[minus] {
+                let [s_plus, s_minus] = self.layout.s(p_t);
+                vanishes[plus] = vanishes[i] || z[s_plus] <= z[s_minus];
+                vanishes[minus] = !vanishes[plus];
+            }
+        }
+        Some(Face(vanishes))
     }
 }
 
@@ -255,6 +252,61 @@ fn central_pair(x: f64, force: f64, y: f64, length: f64) -> (f64, f64) {
     let larger = 0.5 * (q.abs() + q.hypot(2.0));
     let a = if q > 0.0 { larger } else { 1.0 / larger };
     (force * a, length / a)
+}
+
+/// The layout of `z = (u, p_t, p_n, v_n, s, λ)`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SlackLayout {
+    forces: Layout,
+}
+
+impl SlackLayout {
+    /// Creates the layout of the slacks and multipliers for the unknowns of `forces`.
+    pub fn new(forces: &Layout) -> Self {
+        SlackLayout { forces: forces.clone() }
+    }
+
+    /// Returns the layout of `(u, p_t, p_n)`, with which `z` begins.
+    pub fn forces(&self) -> &Layout {
+        &self.forces
+    }
+
+    /// Returns the length of `z`.
+    pub fn unknowns(&self) -> usize {
+        self.s_start() + 4 * self.forces.tangentials()
+    }
+
+    fn s_start(&self) -> usize {
+        self.forces.unknowns() + self.forces.contacts()
+    }
+
+    /// Returns the place of `v_n` of contact node `i`.
+    pub fn v_n(&self, i: usize) -> usize {
+        self.forces.unknowns() + i
+    }
+
+    /// Returns the places of `s⁺` and `s⁻` of the node whose tangential force is at `p_t`.
+    pub fn s(&self, p_t: usize) -> [usize; 2] {
+        let k = self.s_start() + p_t - self.forces.displacements();
+        [k, k + self.forces.tangentials()]
+    }
+
+    /// Returns the places of `λ⁺` and `λ⁻` of the node whose tangential force is at `p_t`.
+    pub fn lambda(&self, p_t: usize) -> [usize; 2] {
+        self.s(p_t).map(|k| k + 2 * self.forces.tangentials())
+    }
+
+    /// Returns the places of all `s`, which are also those of the cone rows.
+    pub fn cone_rows(&self) -> Range<usize> {
+        self.s_start()..self.s_start() + 2 * self.forces.tangentials()
+    }
+
+    /// Returns the complementary pairs `(p_n, v_n)`, then `(s, λ)`.
+    pub fn pairs(&self) -> impl Iterator<Item = Pair> + '_ {
+        let normal = (0..self.forces.contacts()).map(|i| Pair { force: self.forces.p_n(i), length: self.v_n(i) });
+        let cone = self.cone_rows();
+        normal.chain(cone.clone().map(move |k| Pair { force: k, length: k + cone.len() }))
+    }
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use crate::solver::problem::{ContactProblem, ProblemError, State};
 
 /// The layout of `z = (u, p_t, p_o, p_n)`. A contact node has a `p_t` only if there is friction and freedom along
 /// that tangent, and likewise a `p_o`: two, one or no tangential unknowns.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Layout {
     displacements: usize,
     /// The places of `p_t` and `p_o` of each contact node in `z`, if it has them.
@@ -66,6 +66,15 @@ impl Layout {
         self.tangential.get(i).copied().unwrap_or_default()
     }
 
+    /// Writes `values` at the places of `(p_t, p_o)` of contact node `i` that it has.
+    pub(super) fn set_tangential(&self, i: usize, values: [f64; 2], z: &mut [f64]) {
+        for (k, value) in self.tangential(i).into_iter().zip(values) {
+            if let Some(k) = k {
+                z[k] = value;
+            }
+        }
+    }
+
     /// Returns `true` if contact node `i` has a tangential unknown.
     pub fn has_friction(&self, i: usize) -> bool {
         self.tangential(i) != [None; 2]
@@ -105,11 +114,7 @@ impl Layout {
             *to = from / scaling.length;
         }
         for i in 0..self.contacts() {
-            for (k, p) in self.tangential[i].into_iter().zip([state.p_t[i], state.p_o[i]]) {
-                if let Some(k) = k {
-                    z[k] = p / scaling.force;
-                }
-            }
+            self.set_tangential(i, [state.p_t[i], state.p_o[i]].map(|p| p / scaling.force), &mut z);
             z[self.p_n(i)] = state.p_n[i] / scaling.force;
         }
         z

@@ -19,9 +19,9 @@ impl Algorithm for HistorySettings {
                     Method::Bn { rescue: true, .. } => strategy::BN,
                     _ => strategy::BN_ALONE,
                 };
-                Box::new(Strategy::new(BnMethod::measured(problem, loading, self), self, attempts))
+                Box::new(Strategy::new(BnMethod::new(problem, loading, self), self, attempts))
             }
-            Method::PaperBn => Box::new(BnMethod::paper(problem, loading, self)),
+            Method::PaperBn => Box::new(BnMethod::new(problem, loading, self)),
             Method::PaperIp { start, partition } => Box::new(IpMethod::new(problem, self, start, partition)),
         }
     }

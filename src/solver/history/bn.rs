@@ -1,11 +1,12 @@
 //! BN along a history. Every increment starts from the last solution; with default constants, on the tangent there.
 
-use super::increment_error::{IncrementErrors, Rate};
+use super::increment_error::{ErrorEquations, IncrementErrors, Rate};
+use super::method::Method;
 use super::saved::{Snapshot, take_over};
-use super::settings::{FirstGuess, HistorySettings};
+use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
-use crate::solver::formulation::{Assembled, Bdiff};
+use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::loading::Loading;
 use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
@@ -14,15 +15,18 @@ use crate::solver::problem::{ContactProblem, State};
 /// The paper's stopping test `Theta ≤ ε`, a sum of N² and Pa².
 const PAPER_MERIT: f64 = 1e-2;
 
+/// The paper's normal stress in every contact node at the start, Pa; ten times this with 100 or more contact nodes.
+const PAPER_PRESSURE: f64 = 1e6;
+
 /// BN with its starts in a history.
 pub(super) struct BnMethod {
-    formulation: Bdiff,
-    bn: Bn,
-    /// `true` if the error measure stops the iteration, `false` if the paper's merit does.
+    pub formulation: Bdiff,
+    pub bn: Bn,
+    /// `true` if the error measure stops the iteration and the forces that would clamp the nodes start the first increment,
+    /// `false` if the paper's merit and pressure do.
     measured: bool,
     /// `true` if the nodes on which the body comes to rest start closed.
     closes: bool,
-    start: FirstGuess,
     z: Vec<f64>,
     /// The low-order part of `z`.
     rest: Vec<f64>,
@@ -37,63 +41,33 @@ pub(super) struct BnMethod {
 }
 
 impl BnMethod {
-    /// Creates BN with the constants of the paper.
-    pub(super) fn paper(problem: &ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
-        // `p_n = 1 MPa · l` at the start, or 10 MPa · l with 100 or more contact nodes.
-        let start = FirstGuess::Pressure(if problem.contacts() < 100 { 1e6 } else { 1e7 });
-        let method = Self::new(problem, loading, history, start, Armijo::PAPER, history.max_iterations);
-        BnMethod { measured: false, ..method }
-    }
-
-    /// Creates BN with the error measure as its stopping test.
-    pub(super) fn measured(problem: &ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
-        Self::new(problem, loading, history, FirstGuess::Held, Armijo::HALVING, history.max_iterations)
-    }
-
-    fn new(
-        problem: &ContactProblem,
-        loading: &Loading,
-        history: &HistorySettings,
-        start: FirstGuess,
-        armijo: Armijo,
-        max_iterations: usize,
-    ) -> Self {
+    /// Creates BN with the constants of the paper if the method is `PaperBn`, and else without tuning.
+    pub(super) fn new(problem: &ContactProblem, loading: &Loading, history: &HistorySettings) -> Self {
+        let measured = history.method != Method::PaperBn;
+        let armijo = if measured { Armijo::HALVING } else { Armijo::PAPER };
         let formulation = Bdiff::new(problem, history.scaling, &history.conventions);
         let idle = loading.largest_force() == 0.0 && loading.largest_interference() == 0.0;
-        let p_n = start_forces(problem, idle, start);
+        let p_n = match problem.weight() {
+            Some(l) if !measured && !idle => {
+                let pressure = if l.len() < 100 { PAPER_PRESSURE } else { 10.0 * PAPER_PRESSURE };
+                l.iter().map(|l| l * pressure).collect()
+            }
+            _ => vec![0.0; problem.contacts()],
+        };
         let z = formulation.layout().packed(&State { p_n, ..State::zero(problem) }, &history.scaling);
+        let estimates = history.estimates_error.then(|| loading.gaps_at(0.0));
         BnMethod {
-            errors: if history.estimates_error {
-                IncrementErrors::new(problem, &formulation, &loading.gaps_at(0.0))
-            } else {
-                None
-            },
-            bn: Bn::new(armijo, max_iterations, formulation.unknowns()),
+            errors: estimates.and_then(|gaps| IncrementErrors::new(problem, &formulation, &gaps)),
+            bn: Bn::new(armijo, history.max_iterations, formulation.unknowns()),
             formulation,
-            measured: true,
+            measured,
             closes: !problem.rigid_modes().is_empty(),
-            start,
             rest: vec![0.0; z.len()],
             z,
             last: None,
             ahead: None,
             rate: None,
         }
-    }
-
-    /// Returns the formulation and the algorithm, for equations of its own.
-    pub(super) fn newton(&mut self) -> (&mut Bdiff, &mut Bn) {
-        (&mut self.formulation, &mut self.bn)
-    }
-
-    /// Sets the limit of iterations in an increment.
-    pub(super) fn limit(&mut self, max_iterations: usize) {
-        self.bn.limit(max_iterations);
-    }
-
-    /// Returns the problem with its pattern, for another method that works with this one.
-    pub(super) fn assembled(&self) -> Assembled {
-        self.formulation.assembled()
     }
 
     /// Returns the solution from which an increment starts. Before the first increment there is only a guess.
@@ -120,7 +94,7 @@ impl BnMethod {
                 let change: Vec<f64> = ahead.iter().zip(from).map(|(ahead, z)| ahead - z).collect();
                 Some(errors.rate_of(&change, task.increment, formulation))
             }
-            (Some(errors), ..) => errors.rate(task.increment, formulation, bn, linear)?,
+            (Some(errors), ..) => errors.rate(task.increment, &mut ErrorEquations { formulation, bn, linear })?,
             (None, ..) => None,
         };
         Ok(())
@@ -129,9 +103,8 @@ impl BnMethod {
     /// Updates the estimated time-step error after the increment that ends at the present solution.
     pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
         let BnMethod { formulation, bn, z, errors, rate, .. } = self;
-        errors
-            .as_mut()
-            .map_or(Ok(()), |errors| errors.follow(rate.take().as_ref(), problem.weight(), formulation, bn, linear, z))
+        let (rate, at) = (rate.take(), &mut ErrorEquations { formulation, bn, linear });
+        errors.as_mut().map_or(Ok(()), |errors| errors.follow(rate.as_ref(), problem.weight(), at, z))
     }
 
     /// Returns `true` if the response of the body with clamped contact nodes already solves the increment.
@@ -189,10 +162,10 @@ impl IncrementSolver for BnMethod {
         let from = self.z.clone();
         let is_at_end = self.last.as_ref() == Some(&from) && task.landed.is_none() && !solved;
         self.begin(task, is_at_end.then_some(&*from), linear)?;
-        let BnMethod { formulation, bn, measured, start, z, rest, last, ahead, .. } = self;
+        let BnMethod { formulation, bn, measured, z, rest, last, ahead, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         task.response.add_to(z);
-        if task.first && *start == FirstGuess::Held && !solved {
+        if task.first && *measured && !solved {
             task.response.add_forces_to(z);
         }
         let start = z.clone();
@@ -293,14 +266,6 @@ impl IncrementSolver for BnMethod {
             return Ok(false);
         }
         Ok(!is_factored || self.bn.factor(&self.formulation, linear)?)
-    }
-}
-
-/// Returns `p_n` before the first increment. Without load or interference it is 0, the solution.
-fn start_forces(problem: &ContactProblem, idle: bool, start: FirstGuess) -> Vec<f64> {
-    match (start, problem.weight()) {
-        (FirstGuess::Pressure(pressure), Some(l)) if !idle => l.iter().map(|l| l * pressure).collect(),
-        _ => vec![0.0; problem.contacts()],
     }
 }
 

@@ -1,12 +1,11 @@
 //! The choices of a user about the solver.
 
-use super::error::Error;
 use super::events::{ExactPathSettings, follow_exact_path};
 use super::method::Method;
-use super::observer::Observer;
+use super::record::Observer;
 use super::settings::{HistorySettings, MAX_ITERATIONS};
 use super::system::{LinearAlgebra, SystemSolver};
-use super::{HistoryOutcome, run_with};
+use super::{Error, HistoryOutcome, run_with};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 

@@ -1,16 +1,14 @@
 //! The driver of a history: the loop over its increments, within a loop over stages.
 
 use super::body::Body;
-use super::increment::{IncrementDriver, IncrementEnd};
-use super::observer::{IncrementObserver, IncrementView, Observer, record};
-use super::record::{ContactCounts, IncrementRecord, Seconds, Status};
-use super::saved::{Done, RunOf, Saved, SavedStage};
+use super::increment::{IncrementDriver, IncrementEnd, IncrementObserver, WorkingSet};
+use super::record::{IncrementRecord, IncrementView, Observer, Seconds, Status};
+use super::saved::{RunOf, Saved, SavedStage};
 use super::settings::HistorySettings;
 use super::stage::Stage;
-use super::state::{HistoryState, StepResult};
+use super::state::{HistoryState, Step};
 use super::system::statistics;
 use super::task::Algorithm;
-use super::working_set::WorkingSet;
 use super::{Error, HistoryOutcome};
 use crate::algebra::linear::{Dense, LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
@@ -79,7 +77,7 @@ impl<'a> HistoryDriver<'a> {
         let Some(from) = &self.settings.from else { return Ok(()) };
         let Saved { outcome, history, stage, statistics, .. } =
             Saved::read(from, self.body.problem, self.body.loading, self.times, self.settings)?;
-        self.outcome = outcome.resume(HistoryOutcome::unsolved(self.body.problem));
+        self.outcome.resume(outcome);
         (*self.history, self.done, self.saved) = (history, statistics, Some(stage));
         Ok(())
     }
@@ -232,11 +230,10 @@ impl<'a> HistoryDriver<'a> {
                 increment.solved.assembly_seconds,
                 began.elapsed().as_secs_f64(),
             );
-            let counts = ContactCounts::of(&statuses);
             let joined = std::mem::take(&mut self.joined);
-            let record = record(problem, driver.data().force, index, time, &increment, counts, seconds);
-            let record = IncrementRecord { joined, ..record };
-            let StepResult { solved, state, scales, status, slip, .. } = *increment;
+            let at = (index, time, driver.data().force);
+            let record = IncrementRecord { joined, ..increment.record(problem, at, &statuses, seconds) };
+            let Step { solved, state, scales, status, slip, .. } = *increment;
             let (flow, shown) = driver.show(&state, |increment, state| {
                 let step = IncrementView { record: &record, increment, state, statuses: &statuses };
                 (progress.observer.increment(&step), state.clone())
@@ -280,7 +277,7 @@ impl HistoryOutcome {
         let nodes = driver.body.nodes().map(<[usize]>::to_vec);
         let saved = Saved {
             run: RunOf::new(driver.body.problem, driver.body.loading, times, driver.settings),
-            outcome: Done::of(self),
+            outcome: self.so_far(),
             history: driver.history.clone(),
             stage: SavedStage { snapshot: driver.stage.method.snapshot(linear), nodes },
             statistics: *linear.statistics(),

@@ -1,20 +1,27 @@
 //! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
 //! the path.
+//!
+//! # Jumps
+//!
+//! A jump is an increment beyond the end of the quasi-static motion, to a state that the laws of an increment allow.
+//!
+//! Which of these states a body reaches is a question of dynamics. Newton's method starts from the last state, the
+//! interior point method from a point of its own. If neither reaches the end of the increment, both try half of the
+//! increment, a quarter, and so on.
 
 use super::body::{Body, RecoveredState, Responds};
-use super::jump::{AfterJump, JumpSolver, RestartPoint};
-use super::observer::{IncrementView, Observer, record};
-use super::record::{ContactCounts, IncrementRecord, Seconds, Status, is_solution};
+use super::driver::HistoryDriver;
+use super::record::{IncrementRecord, IncrementView, Observer, Seconds, Status, is_solution};
 use super::saved::{RunOf, SavedPath};
 use super::settings::HistorySettings;
-use super::state::StepResult;
+use super::state::{HistoryState, Step};
 use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
 use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
-use crate::solver::laws::{Judgement, KktErrors, KktScales, statuses_of};
+use crate::solver::laws::{Judgement, KktScales, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, MethodResult};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -39,13 +46,16 @@ pub struct ExactPathSettings {
 
 /// A history in which each step from event to event is judged, and each end of an increment on the whole body.
 struct ExactHistory<'a> {
-    problem: &'a ContactProblem,
-    loading: &'a Loading,
+    body: Body<'a>,
+    condensation: Option<&'a Condensation>,
     /// The ends of all increments, s.
     times: &'a [f64],
     jump: bool,
     settings: &'a HistorySettings,
     observer: &'a mut dyn Observer,
+    path: ExactPath<'a>,
+    /// The scales of the steps from event to event, and of the increments.
+    scales: [KktScales; 2],
     outcome: HistoryOutcome,
 }
 
@@ -56,18 +66,17 @@ struct StepStart {
     time: f64,
 }
 
-/// The results of an increment so far.
+/// An increment so far.
 struct IncrementSoFar {
     index: usize,
     /// The end of the increment, s.
     end: f64,
     clock: Instant,
     before: Statistics,
-    kkt: KktErrors,
-    ends: Vec<f64>,
-    friction_work: f64,
     rates: usize,
     jumps: usize,
+    /// The sum of its steps, with the state of none.
+    sum: Step,
 }
 
 /// Follows the exact path in time from event to event, to the end of the history or to the end of the quasi-static
@@ -93,117 +102,92 @@ pub fn follow_exact_path(
     let mut mu = problem.mu().to_vec();
     problem.dependent_nodes().into_iter().for_each(|i| mu[i] = 0.0);
     let problem = &problem.with_friction(mu)?;
-    let outcome = HistoryOutcome::unsolved(problem);
-    ExactHistory { problem, loading, times, jump, settings, observer, outcome }.follow(system, start)
+    let mut outcome = HistoryOutcome::unsolved(problem);
+    let saved = settings.from.as_ref().map(|from| SavedPath::read(from, problem, loading, times, settings, jump));
+    let saved = saved.transpose()?;
+    let (mut linear, condensation) = match system {
+        SystemSolver::Whole(linear) => (linear, None),
+        SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
+    };
+    if let Some(saved) = &saved {
+        linear = linear.after(saved.walk.statistics());
+    }
+    let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
+    let path = match &condensed {
+        Ok(Some(Condensed { problem, loading, .. })) => {
+            ExactPath::new(problem, loading, settings.scaling, Equations::Dense)
+        }
+        Ok(None) => ExactPath::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
+        Err(error) => Err(error.clone().into()),
+    };
+    let path = match path {
+        Ok(path) => path,
+        Err(PathError::Linear(LinearError::Singular { .. })) => {
+            outcome.end_unconstrained(settings, problem, loading);
+            return Ok(outcome);
+        }
+        Err(PathError::SlidesInAPlane | PathError::FrictionChanges | PathError::DependentRows) => {
+            return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
+        }
+        Err(error) => return Err(error.into()),
+    };
+    outcome.setup_seconds = start.elapsed().as_secs_f64();
+    observer.ready();
+    let body = Body { problem, loading, condensed: condensed.as_ref().ok().and_then(Option::as_ref) };
+    let (condensation, scales) = (condensation.as_ref(), Default::default());
+    let mut history = ExactHistory { body, condensation, times, jump, settings, observer, path, scales, outcome };
+    match history.follow(saved) {
+        Err(Error::Linear(LinearError::OutOfMemory { .. })) => history.outcome.status = Status::OutOfMemory,
+        followed => followed?,
+    }
+    Ok(history.outcome)
 }
 
 impl ExactHistory<'_> {
-    fn follow(mut self, system: SystemSolver, start: Instant) -> Result<HistoryOutcome, Error> {
-        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
-        let saved = settings.from.as_ref();
-        let saved =
-            saved.map(|from| SavedPath::read(from, problem, loading, self.times, settings, self.jump)).transpose()?;
-        let (mut linear, condensation) = match system {
-            SystemSolver::Whole(linear) => (linear, None),
-            SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
-        };
-        if let Some(saved) = &saved {
-            linear = linear.after(saved.walk.statistics());
-        }
-        let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
-        let condensed = match condensed {
-            Ok(condensed) => condensed,
-            Err(LinearError::Singular { .. }) => {
-                self.outcome.end_unconstrained(settings, problem, loading);
-                return Ok(self.outcome);
-            }
-            Err(error) => return Err(error.into()),
-        };
-        let walk = match &condensed {
-            Some(condensed) => {
-                ExactPath::new(&condensed.problem, &condensed.loading, settings.scaling, Equations::Dense)
-            }
-            None => ExactPath::new(problem, loading, settings.scaling, Equations::Sparse(&mut linear)),
-        };
-        let walk = match walk {
-            Ok(walk) => walk,
-            Err(PathError::Linear(LinearError::Singular { .. })) => {
-                self.outcome.end_unconstrained(settings, problem, loading);
-                return Ok(self.outcome);
-            }
-            Err(PathError::SlidesInAPlane | PathError::FrictionChanges | PathError::DependentRows) => {
-                self.outcome.status = Status::Unsupported;
-                return Ok(self.outcome);
-            }
-            Err(error) => return Err(error.into()),
-        };
-        self.outcome.setup_seconds = start.elapsed().as_secs_f64();
-        self.observer.ready();
-        let condensed = condensed.as_ref().zip(condensation.as_ref());
-        match self.walk(walk, saved, condensed) {
-            Err(Error::Linear(LinearError::OutOfMemory { .. })) => self.outcome.status = Status::OutOfMemory,
-            Err(error) => return Err(error),
-            Ok(()) => {}
-        }
-        Ok(self.outcome)
-    }
-
-    fn walk(
-        &mut self,
-        mut walk: ExactPath<'_>,
-        saved: Option<SavedPath>,
-        condensed: Option<(&Condensed, &Condensation)>,
-    ) -> Result<(), Error> {
-        let body = condensed.map(|(condensed, _)| condensed.info());
-        let mut scales = [KktScales::default(), KktScales::default()];
+    fn follow(&mut self, saved: Option<SavedPath>) -> Result<(), Error> {
+        let Body { problem, loading, condensed } = self.body;
+        let factor = condensed.map(Condensed::info);
         if let Some(saved) = saved {
-            if !walk.resume(saved.walk)? {
+            if !self.path.resume(saved.walk)? {
                 return Err(CheckpointError::Damaged.into());
             }
-            (self.outcome, scales) = (saved.outcome.resume(self.outcome.clone()), saved.scales);
+            self.outcome.resume(saved.outcome);
+            self.scales = saved.scales;
             // Keeps the earlier value if there is nothing left to solve.
-            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
+            self.outcome.linear = statistics(self.path.statistics(), factor, 0.0);
         }
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
             let mut in_progress = IncrementSoFar {
                 index: k + 1,
                 end: time,
                 clock: Instant::now(),
-                before: walk.statistics(),
-                kkt: KktErrors::default(),
-                ends: Vec::new(),
-                friction_work: 0.0,
-                rates: walk.effort().solves,
+                before: self.path.statistics(),
+                rates: self.path.effort().solves,
                 jumps: 0,
+                sum: Step::default(),
             };
             let (step_start, lost) = loop {
-                let step_start = StepStart { places: walk.places(), time: walk.time() };
-                let step = walk.step(time)?;
-                for event in &step.events {
-                    self.observer.event(in_progress.index, event);
-                }
-                self.outcome.event_count += step.events.len();
-                if self.settings.keeps_records {
-                    self.outcome.events.extend(step.events);
-                }
-                in_progress.friction_work += step.friction_work;
+                let step_start = StepStart { places: self.path.places(), time: self.path.time() };
+                let step = self.path.step(time)?;
+                step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
+                in_progress.sum.friction_work += step.friction_work;
                 match step.stop {
                     SegmentEnd::PathEnd(lost) if self.jump => {
-                        if !self.jump(&mut walk, lost, &step_start, &mut scales[1], condensed, &mut in_progress)? {
+                        if !self.jump(lost, &step_start, &mut in_progress)? {
                             break (step_start, Some(lost));
                         }
                     }
                     SegmentEnd::PathEnd(lost) => break (step_start, Some(lost)),
-                    SegmentEnd::Event if walk.is_beginning() => {}
+                    SegmentEnd::Event if self.path.is_beginning() => {}
                     stop => {
-                        self.judge_step(&walk, stop, &step_start, &mut scales[0], condensed, &mut in_progress)?;
+                        self.judge_step(stop, &step_start, &mut in_progress)?;
                         if stop == SegmentEnd::Until {
                             break (step_start, None);
                         }
                     }
                 }
-                let error = Some(in_progress.kkt.worst().1);
-                let iteration = walk.effort().solves - in_progress.rates;
+                let error = Some(in_progress.sum.kkt.worst().1);
+                let iteration = self.path.effort().solves - in_progress.rates;
                 let progress = IterationRecord { iteration, error, ..IterationRecord::start(f64::NAN) };
                 if self.observer.iteration(in_progress.index, &progress).is_break() {
                     self.outcome.status = Status::Interrupted;
@@ -211,17 +195,15 @@ impl ExactHistory<'_> {
                 }
             };
             let reached = lost.map_or(time, |lost| lost.time);
-            let data = StepData::new(self.problem, self.loading, reached, &step_start);
-            in_progress.ends.push(reached);
-            scales[1] = scales[1].with_terms(self.problem, &self.load_sizes(reached));
-            let balanced = self.balanced(&data, &scales[1], &mut walk, condensed)?;
+            let data = StepData::new(problem, loading, reached, &step_start);
+            in_progress.sum.ends.push(reached);
+            let balanced = self.balanced(&data)?;
             self.outcome.lost = lost;
             let slide = lost.and_then(|_| self.sliding_motion(time, &data, &balanced.state));
             self.outcome.slip = slide.is_some().then(|| Slip { by: time, p_n: balanced.state.p_n.clone() });
             self.outcome.free_motion = slide.or_else(|| lost.and_then(|_| self.driven_motion(time)));
-            let status = lost.map(|_| Status::NoContinuation);
-            let flow = self.end(in_progress, &data, balanced, &mut scales[1], status, &walk)?;
-            self.outcome.linear = statistics(walk.statistics(), body, 0.0);
+            let flow = self.end(in_progress, &data, balanced, lost.map(|_| Status::NoContinuation))?;
+            self.outcome.linear = statistics(self.path.statistics(), factor, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
             }
@@ -229,46 +211,53 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
-            let (outcome, jump) = (&self.outcome, self.jump);
-            let run = || RunOf::new(self.problem, self.loading, &self.times[..=k], self.settings);
-            self.observer.rest(&|| SavedPath::checkpoint(run(), jump, outcome, &walk, scales.clone()));
+            let ExactHistory { jump, outcome, path, scales, times, settings, .. } = self;
+            let run = || RunOf::new(problem, loading, &times[..=k], settings);
+            let here = || SavedPath::checkpoint(run(), *jump, outcome, path, scales.clone());
+            self.observer.rest(&here);
         }
         Ok(())
     }
 
-    /// Judges a step from event to event, on the problem of `walk`.
+    /// Reports a change of status in increment `index`.
+    fn report(&mut self, index: usize, event: Event) {
+        self.observer.event(index, &event);
+        self.outcome.event_count += 1;
+        if self.settings.keeps_records {
+            self.outcome.events.push(event);
+        }
+    }
+
+    /// Judges a step from event to event, on the problem of the path.
     fn judge_step(
-        &self,
-        walk: &ExactPath<'_>,
+        &mut self,
         stop: SegmentEnd,
         step_start: &StepStart,
-        scales: &mut KktScales,
-        condensed: Option<(&Condensed, &Condensation)>,
         in_progress: &mut IncrementSoFar,
     ) -> Result<(), LinearError> {
-        let small = condensed.map_or(self.problem, |(condensed, _)| &condensed.problem);
-        let (state, now) = (walk.state(), walk.time());
-        let data = StepData::by(walk, small, step_start);
+        let (problem, _) = self.body.solved();
+        let (state, now) = (self.path.state(), self.path.time());
+        let data = StepData::of(problem, now, self.path.given(), step_start);
         let increment = data.increment();
-        let judgement = Judgement::near(small, &increment, &state, scales, self.settings.tolerance)?;
-        in_progress.kkt = in_progress.kkt.max(&judgement.errors());
-        *scales = judgement.scales();
+        let judgement = Judgement::near(problem, &increment, &state, &self.scales[0], self.settings.tolerance)?;
+        in_progress.sum.kkt = in_progress.sum.kkt.max(&judgement.errors());
+        self.scales[0] = judgement.scales();
         // Loads at t = 0 are applied in a substep of their own, which takes no time.
         if stop != SegmentEnd::Until && (now > step_start.time || now == 0.0) {
-            in_progress.ends.push(now);
+            in_progress.sum.ends.push(now);
         }
         Ok(())
     }
 
     /// Returns a rigid motion that the loads at `time` drive against all contact forces, if there is one.
     fn driven_motion(&self, time: f64) -> Option<Vec<f64>> {
-        self.under_load(time, |load| driven_motion(self.problem, self.problem.mu(), load))
+        self.under_load(time, |load| driven_motion(self.body.problem, self.body.problem.mu(), load))
     }
 
     /// Returns the rigid motion along the contact in which the loads at `time` overcome friction, if the friction of
     /// `state` against it is used up at the end of the path.
     fn sliding_motion(&self, time: f64, end: &StepData, state: &State) -> Option<Vec<f64>> {
-        let (problem, mu, p_n) = (self.problem, self.problem.mu(), &state.p_n);
+        let (problem, mu, p_n) = (self.body.problem, self.body.problem.mu(), &state.p_n);
         let motion = self.under_load(time, |load| sliding_motion(problem, mu, load, p_n))?;
         let most = friction_work(problem, mu, p_n, &problem.rigid_motion(&motion));
         let left = excess(problem, mu, &end.force, p_n, &motion).abs();
@@ -277,75 +266,55 @@ impl ExactHistory<'_> {
 
     /// Evaluates `see` for the loads at `time`.
     fn under_load<T>(&self, time: f64, see: impl FnOnce(&Load<'_>) -> T) -> T {
-        let n = self.problem.displacements();
-        let (mut force, sizes) = (vec![0.0; n], self.loading.force_sizes(time, n));
-        self.loading.force(time, &mut force);
+        let Body { problem, loading, .. } = self.body;
+        let n = problem.displacements();
+        let (mut force, sizes) = (vec![0.0; n], loading.force_sizes(time, n));
+        loading.force(time, &mut force);
         see(&Load { force: &force, sizes: &sizes })
     }
 
     /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
     /// `true` if a state was found.
-    fn jump(
-        &mut self,
-        walk: &mut ExactPath<'_>,
-        lost: PathEnd,
-        step_start: &StepStart,
-        scales: &mut KktScales,
-        condensed: Option<(&Condensed, &Condensation)>,
-        in_progress: &mut IncrementSoFar,
-    ) -> Result<bool, Error> {
-        let (problem, loading, settings) = (self.problem, self.loading, self.settings);
+    fn jump(&mut self, lost: PathEnd, step_start: &StepStart, in_progress: &mut IncrementSoFar) -> Result<bool, Error> {
+        let (Body { problem, loading, .. }, settings) = (self.body, self.settings);
         let data = StepData::new(problem, loading, lost.time, step_start);
-        *scales = scales.with_terms(problem, &self.load_sizes(lost.time));
-        let RecoveredState { state, .. } = self.balanced(&data, scales, walk, condensed)?;
+        let RecoveredState { state, .. } = self.balanced(&data)?;
+        let scales = &mut self.scales[1];
         *scales = Judgement::near(problem, &data.increment(), &state, scales, settings.tolerance)?.scales();
         let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: scales.clone() };
-        let landed = match (condensed, walk.lend()) {
-            (Some((_, condensation)), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
+        let landed = match (self.condensation, self.path.lend()) {
+            (Some(condensation), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
             (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
             (None, None) => None,
         };
-        let Some(AfterJump { time, state, record }) = landed else { return Ok(false) };
-        let data = StepData::new(problem, loading, time, &StepStart { places: walk.places(), time: lost.time });
+        let Some((time, HistoryOutcome { state, records, .. })) = landed else { return Ok(false) };
+        let data = StepData::new(problem, loading, time, &StepStart { places: self.path.places(), time: lost.time });
         let statuses = statuses_of(problem, &data.increment(), &state);
-        let before = walk.statuses().to_vec();
-        let of_walk = condensed.map(|(condensed, _)| condensed.condensed_state(&state));
-        walk.continue_from(time, of_walk.as_ref().unwrap_or(&state), &statuses);
-        for (node, (from, to)) in before.into_iter().zip(walk.statuses()).enumerate().filter(|(_, (a, b))| a != *b) {
-            let event = Event { time, node, from, to: *to };
-            self.observer.event(in_progress.index, &event);
-            self.outcome.event_count += 1;
-            if self.settings.keeps_records {
-                self.outcome.events.push(event);
-            }
+        let before = self.path.statuses().to_vec();
+        self.path.continue_from(time, &self.body.restricted(&state), &statuses);
+        let after = self.path.statuses().to_vec();
+        for (node, (from, to)) in before.into_iter().zip(after).enumerate().filter(|(_, (a, b))| a != b) {
+            self.report(in_progress.index, Event { time, node, from, to });
         }
-        in_progress.kkt = in_progress.kkt.max(&record.kkt);
-        in_progress.friction_work += record.friction_work;
+        if let Some(record) = records.last() {
+            in_progress.sum.kkt = in_progress.sum.kkt.max(&record.kkt);
+            in_progress.sum.friction_work += record.friction_work;
+        }
         in_progress.jumps += 1;
         in_progress
+            .sum
             .ends
             .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > step_start.time));
         self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
         Ok(true)
     }
 
-    /// Returns the state of the whole body at the time that `walk` has reached.
-    fn balanced(
-        &self,
-        data: &StepData,
-        scales: &KktScales,
-        walk: &mut ExactPath<'_>,
-        condensed: Option<(&Condensed, &Condensation)>,
-    ) -> Result<RecoveredState, Error> {
-        let condensed = condensed.map(|(condensed, _)| condensed);
-        let body = Body { problem: self.problem, loading: self.loading, condensed };
-        let recovered = body.recovered(data.time, walk.state(), &data.force)?;
-        Ok(body.refined(recovered, (&data.increment(), scales, self.settings.tolerance), walk)?)
-    }
-
-    /// Returns the sums of the absolute values of the loads at `time`, N.
-    fn load_sizes(&self, time: f64) -> Vec<f64> {
-        self.loading.force_sizes(time, self.problem.displacements())
+    /// Returns the state of the whole body at the time that the path has reached, with the loads there in the scales.
+    fn balanced(&mut self, data: &StepData) -> Result<RecoveredState, Error> {
+        let (body, scales) = (self.body, &mut self.scales[1]);
+        *scales = scales.with_terms(body.problem, &body.loading.force_sizes(data.time, body.problem.displacements()));
+        let recovered = body.recovered(data.time, self.path.state(), &data.force)?;
+        Ok(body.refined(recovered, (&data.increment(), scales, self.settings.tolerance), &mut self.path)?)
     }
 
     /// Judges the end of an increment on the whole body, and reports it.
@@ -354,34 +323,32 @@ impl ExactHistory<'_> {
         in_progress: IncrementSoFar,
         data: &StepData,
         balanced: RecoveredState,
-        scales: &mut KktScales,
         status: Option<Status>,
-        walk: &ExactPath<'_>,
     ) -> Result<ControlFlow<()>, LinearError> {
-        let (problem, tolerance) = (self.problem, self.settings.tolerance);
+        let (problem, tolerance) = (self.body.problem, self.settings.tolerance);
         let RecoveredState { state, backward_error, .. } = balanced;
         let increment = data.increment();
-        let judgement = Judgement::near(problem, &increment, &state, scales, tolerance)?;
-        let kkt = in_progress.kkt.max(&judgement.errors());
+        let judgement = Judgement::near(problem, &increment, &state, &self.scales[1], tolerance)?;
+        let kkt = in_progress.sum.kkt.max(&judgement.errors());
         self.outcome.rounding = judgement.rounding();
         let violation = judgement.worst();
-        *scales = judgement.scales();
+        let scales = judgement.scales();
+        self.scales[1] = scales.clone();
         let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
         let statuses = statuses_of(problem, &increment, &state);
-        let after = walk.statistics();
+        let after = self.path.statistics();
         let solved = MethodResult {
-            iterations: walk.effort().solves - in_progress.rates,
+            iterations: self.path.effort().solves - in_progress.rates,
             backward_error: after.worst_backward_error.max(backward_error),
-            attempts: 0,
-            ..MethodResult::new(0.0)
+            theta: 0.0,
+            ..MethodResult::nothing()
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
-        let IncrementSoFar { index, ends, friction_work, jumps, .. } = in_progress;
-        let result = StepResult { solved, state, scales: scales.clone(), kkt, status, slip: None, ends, friction_work };
-        let counts = ContactCounts::of(&statuses);
-        let record = record(problem, &data.force, index, data.time, &result, counts, seconds);
-        let (record, state) = (IncrementRecord { jumps, ..record }, result.state);
+        let IncrementSoFar { index, sum, jumps, .. } = in_progress;
+        let result = Step { solved, state, scales, kkt, status, ..sum };
+        let record = result.record(problem, (index, data.time, &data.force), &statuses, seconds);
+        let (record, Step { state, scales, .. }) = (IncrementRecord { jumps, ..record }, result);
         let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,
@@ -391,7 +358,7 @@ impl ExactHistory<'_> {
         self.outcome.status = status;
         self.outcome.reached = data.time;
         if status == Status::Converged {
-            (self.outcome.state, self.outcome.scales) = (state, scales.clone());
+            (self.outcome.state, self.outcome.scales) = (state, scales);
         } else {
             self.outcome.violation = Some(violation);
         }
@@ -429,22 +396,109 @@ impl StepData {
     fn new(problem: &ContactProblem, loading: &Loading, time: f64, step_start: &StepStart) -> Self {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(time, &mut force);
-        let w_last = [0, 1].map(|k| {
-            let drift = loading.drift_at(time, k);
-            step_start.places[k].iter().zip(drift).map(|(place, drift)| place + drift).collect()
-        });
-        StepData { time, force, gap: loading.gaps_at(time), mu: problem.mu().to_vec(), w_last }
+        let drift = [0, 1].map(|k| loading.drift_at(time, k));
+        Self::of(problem, time, (force, loading.gaps_at(time), drift), step_start)
     }
 
-    /// Creates the data of a step of `walk` on `problem`.
-    fn by(walk: &ExactPath<'_>, problem: &ContactProblem, step_start: &StepStart) -> Self {
-        let (force, gap, drift) = walk.given();
+    /// Creates the data of a step from `step_start` to `time` from the forces, the gaps and the motions of the obstacles
+    /// then.
+    fn of(
+        problem: &ContactProblem,
+        time: f64,
+        (force, gap, drift): (Vec<f64>, Vec<f64>, [Vec<f64>; 2]),
+        step_start: &StepStart,
+    ) -> Self {
         let past = |k: usize| step_start.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
-        StepData { time: walk.time(), force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
+        StepData { time, force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 
     fn increment(&self) -> Increment<'_> {
         let StepData { force, gap, mu, w_last: [w_t_last, w_o_last], .. } = self;
         Increment { force, gap, mu, w_t_last, w_o_last }
+    }
+}
+
+/// The start of a jump, or of increments that are solved again.
+pub(crate) struct RestartPoint<'a> {
+    pub problem: &'a ContactProblem,
+    pub loading: &'a Loading,
+    pub settings: &'a HistorySettings,
+    /// The time at which the motion ended, s.
+    pub time: f64,
+    /// The state at that time.
+    pub state: State,
+    pub scales: KktScales,
+}
+
+/// The linear solver of a jump.
+pub(crate) enum JumpSolver<'m> {
+    /// The solver of the whole body.
+    Whole(&'m mut RefinedSolver),
+    /// The factorisation of the condensed body.
+    Condensed(&'m Condensation),
+}
+
+impl RestartPoint<'_> {
+    /// Jumps to the time `to` (s), or as far towards it as a solution is found. Returns the time reached with its outcome,
+    /// or `None` if none is found.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<(f64, HistoryOutcome)>, Error> {
+        let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
+        for halvings in 0..=self.settings.halvings {
+            let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
+            if time <= self.time {
+                break;
+            }
+            let outcome = self.try_to(&[time], &settings, &mut (), means)?;
+            if outcome.status == Status::Converged && !outcome.records.is_empty() {
+                return Ok(Some((time, outcome)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Solves the increments that end at `times` (s), as far as they converge, and shows them to `observer`. Returns
+    /// the last outcome.
+    ///
+    /// # Errors
+    /// As [`super::run`].
+    pub(crate) fn go_on(
+        &self,
+        times: &[f64],
+        observer: &mut dyn Observer,
+        means: &mut JumpSolver<'_>,
+    ) -> Result<Status, Error> {
+        Ok(self.try_to(times, self.settings, observer, means)?.status)
+    }
+
+    fn try_to(
+        &self,
+        times: &[f64],
+        settings: &HistorySettings,
+        observer: &mut dyn Observer,
+        means: &mut JumpSolver<'_>,
+    ) -> Result<HistoryOutcome, Error> {
+        let &RestartPoint { problem, loading, ref state, ref scales, .. } = self;
+        let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
+        let mut history = HistoryState {
+            reached: Some(self.time),
+            state: Some(state.clone()),
+            scales: scales.clone(),
+            w_n,
+            w_t,
+            w_o,
+            ..HistoryState::start(problem)
+        };
+        let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, &mut history);
+        driver.is_ready = true;
+        match means {
+            JumpSolver::Whole(linear) => {
+                driver.stage(settings, driver.body, linear)?;
+            }
+            JumpSolver::Condensed(condensation) => driver.condensed(settings, condensation)?,
+        }
+        Ok(driver.outcome)
     }
 }

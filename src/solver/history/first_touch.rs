@@ -19,7 +19,7 @@
 use super::body::Body;
 use super::increment::{IncrementDriver, Rollback, SubstepInput};
 use super::stage::Stage;
-use super::state::StepResult;
+use super::state::Step;
 use super::task::Observe;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::laws::coulomb::{TangentialCase, length, tangential_case};
@@ -53,7 +53,7 @@ impl IncrementDriver<'_> {
     pub(super) fn first_touch(
         &mut self,
         [from, time]: [f64; 2],
-        substep: &StepResult,
+        substep: &Step,
         (input, start): (&SubstepInput, &Rollback),
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
@@ -145,7 +145,7 @@ impl IncrementDriver<'_> {
     }
 
     /// Returns the largest friction `Σ |p_T|` of each part so far, N, up to the end of `substep`.
-    pub(super) fn friction_with(&self, substep: &StepResult) -> Vec<f64> {
+    pub(super) fn friction_with(&self, substep: &Step) -> Vec<f64> {
         let mut friction = vec![0.0; self.history.friction.len()];
         for (i, part) in self.body.problem.natural().contact_part.iter().enumerate() {
             let rounding = ROUNDING * self.stage.mu[i] * substep.state.p_n[i];

@@ -4,25 +4,32 @@
 //! counts and its largest backward error. After a substep converges, the next one ends where the halved interval ended:
 //! T/4, T/4, T/2.
 //!
-//! A joint that slips as a whole at the end of a substep (`slip.rs`) gives way where the work of the loads reaches that of
+//! A joint that slips as a whole at the end of a substep (`strategy.rs`) gives way where the work of the loads reaches that of
 //! friction, by linear interpolation. One substep ends a little after that time and one a little before it.
+//!
+//! # The working set
+//!
+//! The working set of an active set method is that of the contact nodes in condensed equations.
+//!
+//! Open nodes have `p = 0`. A state without some nodes therefore satisfies all laws if these nodes do not penetrate
+//! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working
+//! set penetrate, they join it together with the nearest other nodes. No node leaves it.
 
 use super::body::{Body, RecoveredState};
 use super::increment_error::{IncrementError, IncrementErrors};
-use super::observer::IncrementObserver;
-use super::response::Linearized;
-use super::rigid_offset::RigidOffset;
+use super::record::{IncrementView, Observer, Seconds, is_solution};
 use super::settings::HistorySettings;
-use super::stage::Stage;
-use super::state::{HistoryState, IncrementInProgress, StepResult};
+use super::stage::{Linearized, Stage};
+use super::state::{HistoryState, IncrementInProgress, RigidOffset, Step};
 use super::task::{Observe, Task};
-use super::working_set::{self, MissingNodes};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::solver::laws::{Judgement, KktScales};
-use crate::solver::newton::{MethodResult, Termination};
-use crate::solver::problem::{Increment, State};
+use crate::solver::laws::{Judgement, KktScales, statuses_of};
+use crate::solver::newton::{Iteration, MethodResult, Termination};
+use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
+use serde::{Deserialize, Serialize};
+use std::ops::ControlFlow;
 
 /// The margin on either side of the time at which a joint slips, relative to the increment. Nearer to it the nodes of a
 /// body that slides in a plane move far, until friction has turned.
@@ -47,7 +54,7 @@ pub(super) struct IncrementDriver<'a> {
 /// The progress of an increment.
 pub(super) enum IncrementEnd {
     /// The increment reached its end, or the place where it failed.
-    Ended(Box<StepResult>),
+    Ended(Box<Step>),
     /// The equations lack contact nodes; the value is the working set needed to continue.
     NeedsNodes(Vec<usize>),
 }
@@ -73,9 +80,63 @@ pub(super) struct SubstepInput {
     scales: KktScales,
 }
 
+/// The size of a history's working set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+pub struct WorkingSet {
+    /// The number of contact nodes at first.
+    pub first: usize,
+    /// The number of contact nodes at the end.
+    pub last: usize,
+    /// The number of all contact nodes.
+    pub all: usize,
+    /// The number of times that nodes joined.
+    pub grown: usize,
+}
+
+/// The larger working set that is needed to continue.
+struct MissingNodes {
+    /// The contact nodes of the larger set, ascending.
+    nodes: Vec<usize>,
+    /// `true` if the last state solves the equations of the smaller set.
+    solved: bool,
+}
+
+/// The observer of increment `index`.
+pub(super) struct IncrementObserver<'a> {
+    pub problem: &'a ContactProblem,
+    pub index: usize,
+    pub observer: &'a mut dyn Observer,
+}
+
+impl IncrementObserver<'_> {
+    pub(super) fn iteration(&mut self, iteration: &Iteration<'_>) -> ControlFlow<()> {
+        let flow = iteration
+            .system
+            .map_or(ControlFlow::Continue(()), |system| self.observer.linear_system(self.index, &system));
+        if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
+    }
+
+    /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
+    /// `increment` and `state` relative to the initial configuration.
+    pub(super) fn part(
+        &mut self,
+        time: f64,
+        data: &Increment<'_>,
+        result: &Step,
+        increment: &Increment<'_>,
+        state: &State,
+    ) {
+        let statuses = statuses_of(self.problem, data, &result.state);
+        let at = (self.index, time, data.force);
+        let record = result.record(self.problem, at, &statuses, Seconds::default());
+        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
+    }
+}
+
 impl IncrementDriver<'_> {
     /// Returns the data of the substep tried last, relative to the rigid offset, as is the state of a
-    /// [`StepResult`].
+    /// [`Step`].
     pub(super) fn data(&self) -> Increment<'_> {
         let Stage { force, gap, mu, w_t_last, w_o_last, .. } = &*self.stage;
         Increment { force, gap, mu, w_t_last, w_o_last }
@@ -150,17 +211,17 @@ impl IncrementDriver<'_> {
                     touch = touch.filter(|touch| touch - from > NEAREST * length && *touch < end);
                 }
             }
-            so_far.add(substep.solved.clone());
+            so_far.sum.solved = so_far.sum.solved.then(substep.solved.clone());
             if let Some(touch) = touch {
                 self.go_back(rollback);
                 so_far.pending.push(touch);
                 (touches_left, divided) = (touches_left - 1, true);
             } else if is_solved {
                 divided = false;
-                so_far.friction_work += self.body.problem.friction_work(&self.data(), &substep.state);
+                so_far.sum.friction_work += self.body.problem.friction_work(&self.data(), &substep.state);
                 self.accept(end, &substep);
-                so_far.kkt = so_far.kkt.max(&substep.kkt);
-                so_far.ends.push(end);
+                so_far.sum.kkt = so_far.sum.kkt.max(&substep.kkt);
+                so_far.sum.ends.push(end);
                 so_far.pending.pop();
                 let result = so_far.up_to(substep);
                 if so_far.pending.is_empty() {
@@ -192,7 +253,7 @@ impl IncrementDriver<'_> {
                 if part < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let slips = substep.status == Status::Slips;
                     let slip = slips.then_some(Slip { by: end, p_n: rollback.state.p_n });
-                    let result = StepResult { slip, ..so_far.up_to(substep) };
+                    let result = Step { slip, ..so_far.up_to(substep) };
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.go_back(rollback);
@@ -207,7 +268,7 @@ impl IncrementDriver<'_> {
         time: f64,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<(StepResult, SubstepInput), LinearError> {
+    ) -> Result<(Step, SubstepInput), LinearError> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         Ok((self.conclude(time, &input.scales, outcome, linear)?, input))
@@ -263,7 +324,7 @@ impl IncrementDriver<'_> {
             } else {
                 Termination::NoEquilibrium(motion)
             };
-            return Ok(MethodResult { stop, attempts: 0, ..MethodResult::new(f64::NAN) });
+            return Ok(MethodResult { stop, ..MethodResult::nothing() });
         }
         let Some(response) = self.stage.response(body, settings, (input.begins, time), linear)? else {
             return Ok(MethodResult {
@@ -302,38 +363,46 @@ impl IncrementDriver<'_> {
         scales: &KktScales,
         outcome: MethodResult,
         linear: &mut RefinedSolver,
-    ) -> Result<StepResult, LinearError> {
+    ) -> Result<Step, LinearError> {
         let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
         let recovered = self.body.recovered(time, method.state(), force)?;
-        let mut contact = Linearized::new(method.as_mut(), linear, self.body.solved().0, self.settings.scaling);
-        let before = (&Increment { force, gap, mu, w_t_last, w_o_last }, scales, self.settings.tolerance);
-        let recovered = self.body.refined(recovered, before, &mut contact)?;
-        self.judged(scales, outcome, recovered)
-    }
-
-    /// Judges a state under the data of the substep tried last.
-    fn judged(
-        &mut self,
-        scales: &KktScales,
-        outcome: MethodResult,
-        recovered: RecoveredState,
-    ) -> Result<StepResult, LinearError> {
+        let (method, problem, scaling) = (method.as_mut(), self.body.solved().0, self.settings.scaling);
+        let mut contact = Linearized { method, linear, problem, scaling, change: Vec::new() };
+        let (data, tolerance) = (Increment { force, gap, mu, w_t_last, w_o_last }, self.settings.tolerance);
+        let recovered = self.body.refined(recovered, (&data, scales, tolerance), &mut contact)?;
         let RecoveredState { state, backward_error, .. } = recovered;
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
-        let tolerance = self.settings.tolerance;
-        let data = self.data();
         let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;
         let (kkt, scales) = (judgement.errors(), judgement.scales());
         let status = record::verdict(&solved, &kkt, tolerance);
-        Ok(StepResult { solved, state, scales, kkt, status, slip: None, ends: Vec::new(), friction_work: 0.0 })
+        Ok(Step { solved, state, scales, kkt, status, ..Step::default() })
     }
 
-    /// Returns the contact nodes that the equations lack after a `substep`.
-    fn lack(&self, substep: &StepResult) -> Result<Option<MissingNodes>, LinearError> {
-        let held = self.body.nodes();
-        let lack = |held| working_set::lack(self.body.problem, &self.data(), substep, held, self.settings.tolerance);
-        held.map_or(Ok(None), lack)
+    /// Returns the larger working set needed after a `substep`, or `None` if the present one suffices.
+    ///
+    /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
+    /// reported only after all nodes have been included.
+    fn lack(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
+        let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
+        let Some(held) = self.body.nodes() else { return Ok(None) };
+        if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
+            return Ok(None);
+        }
+        let all = problem.contacts();
+        let mut is_held = vec![false; all];
+        held.iter().for_each(|&i| is_held[i] = true);
+        let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
+        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let judgement = Judgement::near(problem, &data, &substep.state, &substep.scales, tolerance)?;
+        let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
+        let solved = substep.solved.stop == Termination::Converged && penetrating > 0;
+        let joining = if solved { held.len().max(2 * penetrating) } else { all };
+        // Leaving out less than a quarter of the nodes saves little.
+        let joining = if 4 * (held.len() + joining) >= 3 * all { all } else { joining };
+        others.iter().take(joining).for_each(|(i, _)| is_held[*i] = true);
+        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved }))
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
@@ -343,20 +412,16 @@ impl IncrementDriver<'_> {
         Some(time)
     }
 
-    fn accept(&mut self, time: f64, substep: &StepResult) {
+    /// Advances to the end of a converged `substep` at `time`.
+    fn accept(&mut self, time: f64, substep: &Step) {
         if self.body.nodes().is_some() {
             self.history.state = Some(substep.state.clone());
         }
-        let w = self.body.problem.contact_motion(&substep.state.u);
-        self.move_on(time, w, substep.scales.clone());
-    }
-
-    /// Advances to `time`, with the contact displacements `w_n`, `w_t` and `w_o`.
-    fn move_on(&mut self, time: f64, [w_n, w_t, w_o]: [Vec<f64>; 3], scales: KktScales) {
+        let [w_n, w_t, w_o] = self.body.problem.contact_motion(&substep.state.u);
         let (history, stage) = (&mut *self.history, &*self.stage);
         let slip = |w: &[f64], last: &[f64]| w.iter().zip(last).map(|(w, last)| w - last).collect();
         history.slip = [slip(&w_t, &stage.w_t_last), slip(&w_o, &stage.w_o_last)];
-        (history.reached, history.scales) = (Some(time), scales);
+        (history.reached, history.scales) = (Some(time), substep.scales.clone());
         (history.w_n, history.w_t, history.w_o) = (w_n, w_t, w_o);
     }
 
@@ -378,7 +443,7 @@ impl IncrementDriver<'_> {
     }
 
     /// Returns `true` if a smaller substep could converge.
-    fn smaller_may_do(&self, substep: &StepResult) -> Result<bool, LinearError> {
+    fn smaller_may_do(&self, substep: &Step) -> Result<bool, LinearError> {
         match substep.status {
             Status::Converged
             | Status::Interrupted
@@ -389,7 +454,7 @@ impl IncrementDriver<'_> {
             Status::Slips | Status::NoEquilibrium => Ok(true),
             // If rounding sets the limit, it does so at any load.
             _ => {
-                let StepResult { state, scales, kkt, .. } = substep;
+                let Step { state, scales, kkt, .. } = substep;
                 let data = self.data();
                 let rounding =
                     Judgement::near(self.body.problem, &data, state, scales, self.settings.tolerance)?.rounding();
@@ -397,25 +462,11 @@ impl IncrementDriver<'_> {
             }
         }
     }
-}
 
-/// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
-/// slip after the longer time `by`: first a little beyond it, then a little before it, and 0 if both are known.
-fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
-    if by - slips > 1.5 * margin {
-        slips + margin
-    } else if slips > 1.5 * margin {
-        slips - margin
-    } else {
-        0.0
-    }
-}
-
-impl IncrementDriver<'_> {
     /// Moves a body that only contact holds to its rest position under the load of the substep that ends at `time`.
     /// Returns the nodes that touch there if the position is new, and `None` if supports hold the body or no rest
     /// position is found.
-    pub(super) fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
+    fn find_rest_position(&mut self, time: f64, sizes: &[f64]) -> Option<Vec<usize>> {
         if !self.stage.may_move_rigidly {
             return None;
         }
@@ -432,5 +483,17 @@ impl IncrementDriver<'_> {
         self.history.offset = self.history.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.history.reached.is_none() || !stays).then_some(nodes)
+    }
+}
+
+/// Returns the next substep towards the time `slips` after the present one at which a joint slips, if it is known to
+/// slip after the longer time `by`: first a little beyond it, then a little before it, and 0 if both are known.
+fn towards_slip(slips: f64, by: f64, margin: f64) -> f64 {
+    if by - slips > 1.5 * margin {
+        slips + margin
+    } else if slips > 1.5 * margin {
+        slips - margin
+    } else {
+        0.0
     }
 }

@@ -152,6 +152,42 @@ pub(super) struct NodeRate {
 /// The initial rate of an increment.
 pub(super) type Rate = Vec<NodeRate>;
 
+/// BN's equations, with the solver of their linearisation.
+pub(super) struct ErrorEquations<'a> {
+    pub formulation: &'a mut Bdiff,
+    pub bn: &'a mut Bn,
+    pub linear: &'a mut RefinedSolver,
+}
+
+impl ErrorEquations<'_> {
+    /// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
+    /// regular.
+    fn take(&mut self, cases: &[(bool, TangentialCase)]) -> Result<bool, LinearError> {
+        if self.bn.has_factors(self.linear) && self.formulation.is_linearized_for(cases) {
+            return Ok(true);
+        }
+        self.formulation.linearize_for(cases);
+        self.bn.factor(self.formulation, self.linear)
+    }
+
+    /// Returns the change of the solution when the forces change by `force`, the gaps by `gap`, and the origins of slip by
+    /// `origin`, or `None` if it is not finite.
+    fn change(
+        &mut self,
+        force: impl IntoIterator<Item = f64>,
+        gap: &[f64],
+        origin: &[[f64; 2]],
+    ) -> Result<Option<Vec<f64>>, LinearError> {
+        let b = self.formulation.change(force, gap, origin);
+        let mut x = vec![0.0; b.len()];
+        match self.linear.solve_roughly(&b, &mut x) {
+            Ok(()) => Ok(x.iter().all(|x| x.is_finite()).then_some(x)),
+            Err(LinearError::NotFinite) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+}
+
 impl IncrementErrors {
     /// Creates the estimate before the first increment, with these gaps (m) of the unloaded body. Returns `None` if
     /// no node has friction.
@@ -248,23 +284,21 @@ impl IncrementErrors {
     pub(super) fn rate(
         &self,
         increment: &Increment<'_>,
-        formulation: &mut Bdiff,
-        bn: &mut Bn,
-        linear: &mut RefinedSolver,
+        at: &mut ErrorEquations<'_>,
     ) -> Result<Option<Rate>, LinearError> {
         if !self.is_straight {
             return Ok(None);
         }
         let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
         // Pinning springs of an unconstrained mode would carry the loads.
-        if !linearized(&cases, formulation, bn, linear)? || formulation.is_pinned() {
+        if !at.take(&cases)? || at.formulation.is_pinned() {
             return Ok(None);
         }
         let unit = self.scaling;
         let force = increment.force.iter().zip(&self.force).map(|(now, before)| now / unit.force - before);
         let (gap, origin) = self.moved(increment);
-        let change = solved(linear, &formulation.change(force, &gap, &origin))?;
-        Ok(change.map(|change| self.rate_of(&change, increment, formulation)))
+        let change = at.change(force, &gap, &origin)?;
+        Ok(change.map(|change| self.rate_of(&change, increment, at.formulation)))
     }
 
     /// Returns the changes of the gaps and of the origins of slip in an increment.
@@ -302,11 +336,10 @@ impl IncrementErrors {
         &mut self,
         rate: Option<&Rate>,
         weight: Option<&[f64]>,
-        formulation: &mut Bdiff,
-        bn: &mut Bn,
-        linear: &mut RefinedSolver,
+        at: &mut ErrorEquations<'_>,
         z: &[f64],
     ) -> Result<(), LinearError> {
+        let formulation = &*at.formulation;
         let layout = formulation.layout().clone();
         let turned = self.turn(formulation);
         let cases: Vec<(bool, TangentialCase)> =
@@ -317,7 +350,7 @@ impl IncrementErrors {
             Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
-        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, formulation, bn, linear, z)?;
+        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, at, z)?;
         let mut sticks = false;
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
@@ -329,7 +362,8 @@ impl IncrementErrors {
         }
         self.sticking_begins += usize::from(sticks);
         self.stretch.1 |= sticks;
-        let error = self.transport(&cases, &begins, formulation, bn, linear)?;
+        let error = self.transport(&cases, &begins, at)?;
+        let formulation = &*at.formulation;
 
         for (i, begin) in begins.iter().enumerate() {
             let (gap, mu, _) = formulation.at_node(i);
@@ -376,32 +410,29 @@ impl IncrementErrors {
     /// These are the nodes of the first touch: the rate is valid for them, and may not be for later ones. Their error
     /// is solved for with the nodes clamped where they touch. It is not carried on, since later increments have other
     /// cases.
-    #[allow(clippy::too_many_arguments)]
     fn held_at_first_touch(
         &self,
         cases: &[(bool, TangentialCase)],
         begins: &mut [Begin],
         turned: bool,
         weight: Option<&[f64]>,
-        formulation: &mut Bdiff,
-        bn: &mut Bn,
-        linear: &mut RefinedSolver,
+        at: &mut ErrorEquations<'_>,
         z: &[f64],
     ) -> Result<f64, LinearError> {
         let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
         // Slipping nodes may stick when loads change direction; then the rate along their cases is wrong.
         let is_led = !(turned && self.nodes.iter().any(slips));
         let first = begins.iter().filter_map(|begin| begin.touches).fold(f64::INFINITY, f64::min);
-        let notable = NOTABLE * self.largest[1].max(friction_of_all(formulation, weight, z));
+        let notable = NOTABLE * self.largest[1].max(friction_of_all(at.formulation, weight, z));
         // Friction stays within the cone, so its error is at most the width of the cone, twice its size.
-        let width = |formulation: &Bdiff, i: usize| 2.0 * friction_at(formulation, weight, i, z);
+        let widths: Vec<f64> = (0..begins.len()).map(|i| 2.0 * friction_at(at.formulation, weight, i, z)).collect();
         let mut held_cases = cases.to_vec();
         let mut held = Vec::new();
         for (i, begin) in begins.iter_mut().enumerate() {
             if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
                 // A touch that the rate did not predict counts as one at the end.
                 let is_first = begin.touches == Some(first) && first < 1.0;
-                if is_first && is_led && width(formulation, i) > notable {
+                if is_first && is_led && widths[i] > notable {
                     held_cases[i].1 = TangentialCase::Stick;
                     held.push(i);
                 } else {
@@ -409,11 +440,11 @@ impl IncrementErrors {
                 }
             }
         }
-        let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, formulation, bn, linear)? };
+        let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, at)? };
         let mut largest = 0.0_f64;
         for i in held {
-            let by_place = error.as_ref().map_or(0.0, |error| friction_at(formulation, weight, i, error));
-            let most = by_place.min(width(formulation, i));
+            let by_place = error.as_ref().map_or(0.0, |error| friction_at(at.formulation, weight, i, error));
+            let most = by_place.min(widths[i]);
             let sticks = most > notable;
             begins[i] = Begin { sticks, delta: [0.0; 2], ..begins[i] };
             largest = largest.max(if sticks { most } else { 0.0 });
@@ -448,22 +479,17 @@ impl IncrementErrors {
         &self,
         cases: &[(bool, TangentialCase)],
         begins: &[Begin],
-        formulation: &mut Bdiff,
-        bn: &mut Bn,
-        linear: &mut RefinedSolver,
+        at: &mut ErrorEquations<'_>,
     ) -> Result<Option<Vec<f64>>, LinearError> {
         let moved = |((node, (_, case)), begin): ((&Node, &(bool, TangentialCase)), &Begin)| match case {
             TangentialCase::Stick => [0, 1].map(|d| node.error_w[d] + begin.delta[d]),
             _ => [0.0; 2],
         };
         let origin: Vec<[f64; 2]> = self.nodes.iter().zip(cases).zip(begins).map(moved).collect();
-        if !self.is_straight || origin.iter().all(|w| *w == [0.0; 2]) {
+        if !self.is_straight || origin.iter().all(|w| *w == [0.0; 2]) || !at.take(cases)? {
             return Ok(None);
         }
-        if !linearized(cases, formulation, bn, linear)? {
-            return Ok(None);
-        }
-        solved(linear, &formulation.change([], &vec![0.0; origin.len()], &origin))
+        at.change([], &vec![0.0; origin.len()], &origin)
     }
 }
 
@@ -482,31 +508,6 @@ fn resultant(formulation: &Bdiff, z: &[f64]) -> f64 {
 fn friction_of_all(formulation: &Bdiff, weight: Option<&[f64]>, z: &[f64]) -> f64 {
     let nodes = 0..formulation.layout().contacts();
     nodes.map(|i| friction_at(formulation, weight, i, z).powi(2)).sum::<f64>().sqrt()
-}
-
-/// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
-/// regular.
-fn linearized(
-    cases: &[(bool, TangentialCase)],
-    formulation: &mut Bdiff,
-    bn: &mut Bn,
-    linear: &mut RefinedSolver,
-) -> Result<bool, LinearError> {
-    if bn.has_factors(linear) && formulation.is_linearized_for(cases) {
-        return Ok(true);
-    }
-    formulation.linearize_for(cases);
-    bn.factor(formulation, linear)
-}
-
-/// Solves with the last linearisation. Returns `None` if the solution is not finite.
-fn solved(linear: &mut RefinedSolver, b: &[f64]) -> Result<Option<Vec<f64>>, LinearError> {
-    let mut x = vec![0.0; b.len()];
-    match linear.solve_roughly(b, &mut x) {
-        Ok(()) => Ok(x.iter().all(|x| x.is_finite()).then_some(x)),
-        Err(LinearError::NotFinite) => Ok(None),
-        Err(error) => Err(error),
-    }
 }
 
 /// Returns the share of an increment after which `beyond` is 0, from below, or 1 if it is not.

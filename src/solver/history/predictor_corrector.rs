@@ -6,12 +6,10 @@ use super::task::{IncrementSolver, Observe, Response, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use crate::algebra::vector::median;
 use crate::solver::formulation::{
-    Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Linearization, Partition,
+    Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Partition,
 };
-use crate::solver::newton::{
-    Armijo, Bn, MethodResult, PredictorCorrector, PredictorCorrectorSettings, StopCriterion, Termination,
-};
-use crate::solver::problem::{Increment, State};
+use crate::solver::newton::{Armijo, Bn, MethodResult, PredictorCorrector, StopCriterion, Termination};
+use crate::solver::problem::State;
 
 /// The error at which BN takes over, unless the tolerance is larger: near enough for the contact statuses, and
 /// attainable despite rounding in slender bodies.
@@ -20,8 +18,9 @@ const NEAR: f64 = 1e-8;
 /// The predictor–corrector method with its starts in a history.
 pub(super) struct PredictorCorrectorMethod {
     formulation: Box<dyn InteriorPoint>,
-    settings: PredictorCorrectorSettings,
     method: PredictorCorrector,
+    /// The tolerance of the error measure.
+    tolerance: f64,
     /// The distance of the start from the border, in terms of the estimate; see [`super::strategy`].
     distance: f64,
     /// The limit of the iterations in an increment, with those of BN at the end.
@@ -62,9 +61,9 @@ impl PredictorCorrectorMethod {
             z: vec![0.0; formulation.unknowns()],
             rest: vec![0.0; formulation.forces().unknowns()],
             end: NewtonEnd::new(assembled, &natural),
-            method: PredictorCorrector::default(),
+            method: PredictorCorrector::new(tolerance.max(NEAR), max_iterations),
+            tolerance,
             formulation,
-            settings: PredictorCorrectorSettings { tolerance, max_iterations },
         }
     }
 
@@ -72,7 +71,7 @@ impl PredictorCorrectorMethod {
     /// their iterations, without those of BN at the end and with them.
     pub(super) fn start_at(&mut self, distance: f64, patience: usize, max_iterations: usize) {
         (self.distance, self.most) = (distance, max_iterations);
-        self.settings.max_iterations = patience.min(max_iterations);
+        self.method.max_iterations = patience.min(max_iterations);
     }
 
     /// Moves the pairs into the interior, to a distance from the last solution that fits the change of the load. It
@@ -110,7 +109,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
     }
 
     fn linearization(&self) -> &SystemMatrix {
-        self.end.matrix()
+        self.end.formulation.jacobian()
     }
 
     fn clamp_contacts(&mut self) -> Result<(), Vec<f64>> {
@@ -125,13 +124,13 @@ impl IncrementSolver for PredictorCorrectorMethod {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         self.formulation.begin(task.increment, &self.z);
-        self.end.begin(task.increment, &self.z);
+        self.end.formulation.begin(task.increment, &self.z);
         let scaling = *self.formulation.scaling();
         let forces = self.formulation.forces().clone();
         let before = forces.unpacked(&self.z, &scaling);
         task.response.add_to(&mut self.z);
         let error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
-        let tolerance = self.settings.tolerance;
+        let tolerance = self.tolerance;
         self.rest.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
         if error(&self.z)? <= tolerance {
@@ -139,18 +138,16 @@ impl IncrementSolver for PredictorCorrectorMethod {
         }
         let last = self.z.clone();
         self.move_inside(task.response);
-        let settings = PredictorCorrectorSettings { tolerance: tolerance.max(NEAR), ..self.settings };
         let mut of_yielding = |z: &[f64]| task.error_of_yielding_nodes(&forces.unpacked(z, &scaling), &before);
-        let mut outcome =
-            self.method.solve(&settings, self.formulation.as_mut(), linear, &mut self.z, &mut of_yielding, observe)?;
+        let formulation = self.formulation.as_mut();
+        let mut outcome = self.method.solve(formulation, linear, &mut self.z, &mut of_yielding, observe)?;
         let left = self.most.saturating_sub(outcome.iterations);
-        let unfinished = self.end.has_dependent_nodes() || error(&self.z)? > tolerance;
+        let unfinished = self.end.formulation.has_dependent_nodes() || error(&self.z)? > tolerance;
         if left > 0 && outcome.stop != Termination::Interrupted && unfinished {
             let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
             if ended.stop == Termination::Converged {
-                let (z, rest) = self.end.reached();
-                self.z[..z.len()].copy_from_slice(z);
-                self.rest.copy_from_slice(rest);
+                self.z[..self.end.z.len()].copy_from_slice(&self.end.z);
+                self.rest.copy_from_slice(self.end.bn.rest());
             } else if ended.stop != Termination::Interrupted {
                 // Perhaps near the solution, but not within the tolerance.
                 ended.stop = match outcome.stop {
@@ -187,13 +184,13 @@ impl IncrementSolver for PredictorCorrectorMethod {
     }
 
     fn snapshot(&self, _linear: &RefinedSolver) -> Snapshot {
-        let linearization = Some(self.end.linearization());
+        let linearization = Some(self.end.formulation.linearization());
         Snapshot { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Snapshot::default() }
     }
 
     fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         let Snapshot { unknowns, rest, linearization, .. } = snapshot;
-        let end = linearization.is_some_and(|kept| self.end.linearize_as(&kept));
+        let end = linearization.is_some_and(|kept| self.end.formulation.linearize_as(&kept));
         Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && end)
     }
 }
@@ -202,31 +199,21 @@ impl IncrementSolver for PredictorCorrectorMethod {
 const ITERATIONS: usize = 10;
 
 /// BN from the end of the interior point method.
-pub(super) struct NewtonEnd {
+struct NewtonEnd {
     formulation: Bdiff,
     bn: Bn,
     z: Vec<f64>,
 }
 
 impl NewtonEnd {
-    pub(super) fn new(assembled: Assembled, natural: &FormulationScaling) -> Self {
+    fn new(assembled: Assembled, natural: &FormulationScaling) -> Self {
         let formulation = Bdiff::on(assembled, natural);
         let unknowns = formulation.unknowns();
         NewtonEnd { formulation, bn: Bn::new(Armijo::HALVING, ITERATIONS, unknowns), z: vec![0.0; unknowns] }
     }
 
-    /// Sets the data of a new increment.
-    pub(super) fn begin(&mut self, increment: &Increment<'_>, z: &[f64]) {
-        self.formulation.begin(increment, z);
-    }
-
-    /// Returns `true` if contact rows depend on each other: BN finds the smallest forces.
-    pub(super) fn has_dependent_nodes(&self) -> bool {
-        self.formulation.has_dependent_nodes()
-    }
-
     /// Solves by BN from a `z` that begins with `(u, p_t, p_n)`, in at most `left` iterations.
-    pub(super) fn solve(
+    fn solve(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
@@ -250,34 +237,14 @@ impl NewtonEnd {
 
     /// Returns the solution nearest to `to` along the modes that contact leaves unconstrained at `z`, which begins
     /// with `(u, p_t, p_n)`. Returns its `(u, p_t, p_n)`, or `None` if the solution is unique.
-    pub(super) fn settled(&mut self, z: &[f64], to: &[f64]) -> Option<Vec<f64>> {
+    fn settled(&mut self, z: &[f64], to: &[f64]) -> Option<Vec<f64>> {
         self.linearize(z);
         let n = self.z.len();
         self.formulation.is_pinned().then(|| self.formulation.settled(&z[..n], &to[..n]))
     }
 
     /// Linearises at a `z` that begins with `(u, p_t, p_n)`.
-    pub(super) fn linearize(&mut self, z: &[f64]) {
+    fn linearize(&mut self, z: &[f64]) {
         self.formulation.linearize(&z[..self.z.len()]);
-    }
-
-    /// Returns a snapshot of the last linearisation.
-    pub(super) fn linearization(&self) -> Linearization {
-        self.formulation.linearization()
-    }
-
-    /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
-    pub(super) fn linearize_as(&mut self, kept: &Linearization) -> bool {
-        self.formulation.linearize_as(kept)
-    }
-
-    /// Returns the matrix of the last linearisation.
-    pub(super) fn matrix(&self) -> &SystemMatrix {
-        self.formulation.jacobian()
-    }
-
-    /// Returns the `(u, p_t, p_n)` reached and its low-order part.
-    pub(super) fn reached(&self) -> (&[f64], &[f64]) {
-        (&self.z, self.bn.rest())
     }
 }

@@ -1,17 +1,22 @@
 //! The records and verdicts of increments.
 
 use crate::algebra::linear::{LinearError, Statistics};
+use crate::solver::checkpoint::Checkpoint;
+use crate::solver::events::Event;
 use crate::solver::laws::{ContactStatus, KktErrors};
-use crate::solver::newton::{MethodResult, Termination};
+use crate::solver::newton::{IterationRecord, LinearSystem, MethodResult, Termination};
+use crate::solver::problem::{Increment, State};
 use serde::{Deserialize, Serialize};
 use std::fmt;
+use std::ops::ControlFlow;
 
 /// The verdict on an increment and on a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Every law holds within the tolerance, by the independent error measure.
+    #[default]
     Converged,
     /// The method's own stopping test was met, but a law is violated by more than the tolerance.
     Inaccurate,
@@ -103,7 +108,7 @@ impl Seconds {
 }
 
 /// The record of one increment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[non_exhaustive]
 pub struct IncrementRecord {
@@ -154,26 +159,8 @@ pub struct IncrementRecord {
 impl IncrementRecord {
     /// Creates the record of increment 0: the body at t = 0 with `contacts` contact nodes, before anything is solved.
     pub(crate) fn undeformed(contacts: usize) -> Self {
-        IncrementRecord {
-            index: 0,
-            time: 0.0,
-            status: Status::Converged,
-            parts: 0,
-            part_ends: Vec::new(),
-            joined: 0,
-            jumps: 0,
-            attempts: 0,
-            rescued: false,
-            iterations: 0,
-            backtracks: 0,
-            theta: 0.0,
-            kkt: KktErrors::default(),
-            backward_error: 0.0,
-            contact: ContactCounts { open: contacts, ..ContactCounts::default() },
-            friction_work: 0.0,
-            strain_energy: 0.0,
-            seconds: Seconds::default(),
-        }
+        let contact = ContactCounts { open: contacts, ..ContactCounts::default() };
+        IncrementRecord { contact, ..IncrementRecord::default() }
     }
 }
 
@@ -245,3 +232,50 @@ impl ContactCounts {
         counts
     }
 }
+
+/// An increment with its data and state, for an observer.
+#[derive(Debug, Clone, Copy)]
+pub struct IncrementView<'a> {
+    /// The record of the increment.
+    pub record: &'a IncrementRecord,
+    /// The data of the increment.
+    pub increment: &'a Increment<'a>,
+    /// The state at the end of the increment.
+    pub state: &'a State,
+    /// The status of each contact node.
+    pub statuses: &'a [ContactStatus],
+}
+
+/// An observer of a history: for progress, files and plots, or to stop it.
+pub trait Observer {
+    /// Called before the first increment, when the patterns are analysed and the first matrix is factored.
+    fn ready(&mut self) {}
+    /// Called at the start of the iteration of increment `index`, and after each of its steps.
+    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+    /// Called after each step of increment `index`, before [`Observer::iteration`], with the linearised equations of
+    /// the step as they were solved. If the body is condensed, they are those of the contact displacements.
+    fn linear_system(&mut self, _index: usize, _system: &LinearSystem<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// Called after a contact node has changed its status in increment `index` of an exact path.
+    fn event(&mut self, _index: usize, _event: &Event) {}
+
+    /// Called after each substep of a halved increment except the last. The record is that of the increment so far:
+    /// its `time` is the end of the substep, its `parts` the number of the substep from 1.
+    fn part(&mut self, _part: &IncrementView<'_>) {}
+
+    /// Called after each increment, including a failed one.
+    fn increment(&mut self, _step: &IncrementView<'_>) -> ControlFlow<()> {
+        ControlFlow::Continue(())
+    }
+
+    /// Called between two increments and after the last, where the history can be resumed. `here` makes the
+    /// checkpoint, which costs a copy of the state.
+    fn rest(&mut self, _here: &dyn Fn() -> Checkpoint) {}
+}
+
+/// An observer that does nothing.
+impl Observer for () {}

@@ -1,14 +1,14 @@
 //! Snapshots of a history between two increments.
 
 use super::increment_error::IncrementErrors;
-use super::record::{IncrementRecord, Tally};
+use super::record::IncrementRecord;
 use super::settings::HistorySettings;
 use super::state::HistoryState;
-use super::{HistoryOutcome, IncrementError, Method, WorkingSet};
+use super::{HistoryOutcome, Method};
 use crate::algebra::linear::Statistics;
 use crate::base::units::Scaling;
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
-use crate::solver::events::{ExactPath, Jump, SavedExactPath};
+use crate::solver::events::{ExactPath, SavedExactPath};
 use crate::solver::formulation::Linearization;
 use crate::solver::laws::KktScales;
 use crate::solver::loading::Loading;
@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct Saved {
     pub run: RunOf,
-    pub outcome: Done,
+    pub outcome: HistoryOutcome,
     pub history: HistoryState,
     pub stage: SavedStage,
     /// The statistics of the linear solver.
@@ -61,24 +61,11 @@ struct Fingerprint(f64, f64);
 /// same data with other rounding.
 const ROUNDING: f64 = 1e-12;
 
-/// The results so far.
-#[derive(Clone, Serialize, Deserialize)]
-pub(super) struct Done {
-    tally: Tally,
-    state: State,
-    scales: KktScales,
-    reached: f64,
-    working_set: Option<WorkingSet>,
-    increment_error: Option<IncrementError>,
-    event_count: usize,
-    jumps: Vec<Jump>,
-}
-
 /// A snapshot of an exact path.
 #[derive(Clone, Serialize, Deserialize)]
 pub(super) struct SavedPath {
     pub run: RunOf,
-    pub outcome: Done,
+    pub outcome: HistoryOutcome,
     pub walk: SavedExactPath,
     /// As [`super::ExactPathSettings::jump`].
     jump: bool,
@@ -160,20 +147,29 @@ impl RunOf {
     }
 }
 
-impl Done {
-    pub(super) fn of(outcome: &HistoryOutcome) -> Self {
-        let HistoryOutcome { tally, state, scales, reached, working_set, increment_error, .. } = outcome;
-        let (event_count, jumps) = (outcome.event_count, outcome.jumps.clone());
-        Done {
-            tally: *tally,
-            state: state.clone(),
-            scales: scales.clone(),
-            reached: *reached,
-            working_set: *working_set,
-            increment_error: *increment_error,
-            event_count,
-            jumps,
+impl HistoryOutcome {
+    /// Returns the results so far from which a history continues: what a checkpoint stores of them.
+    pub(super) fn so_far(&self) -> Self {
+        let HistoryOutcome { tally, reached, working_set, increment_error, event_count, .. } = *self;
+        let (state, scales, jumps) = (self.state.clone(), self.scales.clone(), self.jumps.clone());
+        let layout = self.layout.clone();
+        let nothing = HistoryOutcome { tally, reached, working_set, increment_error, ..HistoryOutcome::default() };
+        HistoryOutcome { event_count, state, scales, jumps, layout, ..nothing }
+    }
+
+    /// Adds the record of an increment. Keeps all records, or only the last two.
+    pub(super) fn push(&mut self, record: IncrementRecord, keeps: bool) {
+        self.tally.add(&record);
+        if !keeps && self.records.len() > 1 {
+            self.records.remove(0);
         }
+        self.records.push(record);
+    }
+
+    /// Goes on with the results `so_far`.
+    pub(super) fn resume(&mut self, so_far: HistoryOutcome) {
+        let (layout, setup_seconds) = (std::mem::take(&mut self.layout), self.setup_seconds);
+        *self = HistoryOutcome { layout, setup_seconds, ..so_far };
     }
 
     /// Returns those of the `times` at which the increments so far end.
@@ -186,12 +182,6 @@ impl Done {
             return Err(CheckpointError::Damaged);
         }
         times.get(..done).ok_or(CheckpointError::Other { what: "the times of the increments" })
-    }
-
-    pub(super) fn resume(self, begun: HistoryOutcome) -> HistoryOutcome {
-        let Done { tally, state, scales, reached, working_set, increment_error, event_count, jumps } = self;
-        let done = HistoryOutcome { tally, state, reached, scales, working_set, increment_error, ..begun };
-        HistoryOutcome { event_count, jumps, ..done }
     }
 }
 
@@ -234,7 +224,7 @@ impl SavedPath {
         walk: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
-        let saved = SavedPath { run, outcome: Done::of(outcome), walk: walk.save(), jump, scales };
+        let saved = SavedPath { run, outcome: outcome.so_far(), walk: walk.save(), jump, scales };
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
 
@@ -257,17 +247,6 @@ impl SavedPath {
             return Err(CheckpointError::Damaged);
         }
         Ok(saved)
-    }
-}
-
-impl HistoryOutcome {
-    /// Adds the record of an increment. Keeps all records, or only the last two.
-    pub(super) fn push(&mut self, record: IncrementRecord, keeps: bool) {
-        self.tally.add(&record);
-        if !keeps && self.records.len() > 1 {
-            self.records.remove(0);
-        }
-        self.records.push(record);
     }
 }
 

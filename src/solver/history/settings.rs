@@ -1,6 +1,6 @@
 //! The settings of a history.
 
-use super::error::Error;
+use super::Error;
 use super::method::{Method, Start};
 use crate::base::units::Scaling;
 use crate::solver::checkpoint::Checkpoint;
@@ -40,15 +40,6 @@ pub struct HistorySettings {
     /// The checkpoint from which the history resumes, instead of the unloaded body. It comes from
     /// [`super::Observer::rest`] of a run with the same problem, loading, times so far, settings and linear system.
     pub from: Option<Checkpoint>,
-}
-
-/// The contact forces from which BN starts its first increment.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum FirstGuess {
-    /// The given normal stress (Pa) in every contact node.
-    Pressure(f64),
-    /// The forces that would clamp the contact nodes.
-    Held,
 }
 
 /// The default number of halvings. An increment may become 64 substeps, one and a half orders of magnitude, which

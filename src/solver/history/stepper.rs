@@ -2,8 +2,8 @@
 
 use super::body::Body;
 use super::driver::HistoryDriver;
-use super::observer::Observer;
-use super::saved::{Done, Snapshot};
+use super::record::Observer;
+use super::saved::Snapshot;
 use super::stage::Stage;
 use super::state::HistoryState;
 use super::system::SystemSolver;
@@ -47,7 +47,7 @@ pub struct Stepper<P> {
     /// The ends of the converged increments, s.
     times: Vec<f64>,
     /// The results up to the end of the last converged increment.
-    done: Done,
+    done: HistoryOutcome,
     history: HistoryState,
     /// The equations, from the first increment on.
     stage: Option<Stage>,
@@ -63,7 +63,7 @@ pub struct Stepper<P> {
 #[derive(Clone)]
 pub struct StepperState {
     times: Vec<f64>,
-    done: Done,
+    done: HistoryOutcome,
     history: HistoryState,
     /// The snapshot of the method; `None` before the equations were set up.
     method: Option<Snapshot>,
@@ -93,7 +93,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
             }
         };
         Ok(Stepper {
-            done: Done::of(&HistoryOutcome::unsolved(problem.borrow())),
+            done: HistoryOutcome::unsolved(problem.borrow()),
             history: HistoryState::start(problem.borrow()),
             settings: HistorySettings { from: None, working_set: None, ..settings },
             problem,
@@ -181,7 +181,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
         let outcome = checked.and_then(|()| self.increment(loading, observer));
         match &outcome {
             Ok(outcome) if outcome.status == Status::Converged => {
-                self.done = Done::of(outcome);
+                self.done = outcome.so_far();
                 self.restart = None;
             }
             _ => {
@@ -195,7 +195,7 @@ impl<P: Borrow<ContactProblem>> Stepper<P> {
     fn increment(&mut self, loading: &Loading, observer: &mut dyn Observer) -> Result<HistoryOutcome, Error> {
         let Stepper { problem, settings, body, linear, times, history, stage, loading: last, restart, .. } = self;
         let problem = (*problem).borrow();
-        let outcome = self.done.clone().resume(HistoryOutcome::unsolved(problem));
+        let outcome = self.done.clone();
         if !settings.knows(&outcome.layout) {
             return Ok(HistoryOutcome { status: Status::Unsupported, ..outcome });
         }

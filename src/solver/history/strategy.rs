@@ -7,7 +7,7 @@
 //! | the interior point method | ten times that distance | 30 iterations |
 //! | the interior point method | a hundred times that distance | the iterations that are left |
 //!
-//! If a state shows that the body slides whatever is tried (`slip.rs`), nothing is. It is looked for before the first attempt
+//! If a state shows that the body slides whatever is tried (see below), nothing is. It is looked for before the first attempt
 //! and after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
 //! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
 //! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
@@ -19,39 +19,50 @@
 //! | BN alone | 474 |
 //! | the interior point method from the first start | 472 |
 //! | the interior point method from the first two starts | 477 |
+//!
+//! # The slip of a joint as a whole
+//!
+//! This is the criterion by which an increment that does not converge has no equilibrium at its end.
+//!
+//! Let a rigid motion `v` move the body along its contact, and let friction act against `v` at every node that presses.
+//! The equations of this *sliding state*, with a drag along `v`, have neither a history nor a slip: they depend
+//! only on the loads, gaps and friction at the end of the increment. If the loads do more work on `v` than friction
+//! takes up, and all laws of contact hold however far the body moves along `v`, then the body slides without end while
+//! a drag proportional to its velocity carries the excess, for any such drag. If an equilibrium existed, a body with a
+//! vanishing drag would have two states, one at rest and one that slides. That is excluded where the solution of such an
+//! increment is unique, which is assumed.
+//!
+//! The motion is that of a rigid body with the normal forces of the last state; a linear solve gives the forces of its
+//! sliding state, and these the next motion. Where the load takes pressure off the joint, that friction still suffices: then the
+//! first motion is that against half of it.
 
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
 use super::predictor_corrector::PredictorCorrectorMethod;
 use super::saved::Snapshot;
 use super::settings::HistorySettings;
-use super::slip::sliding_state;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::vector::dot;
 use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
+use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 
 /// An attempt at an increment.
 #[derive(Clone, Copy)]
 pub(super) struct Attempt {
-    by: By,
+    /// How many times as far from the border the interior point method starts as the load suggests; `None` for BN.
+    distance: Option<f64>,
     /// The number of iterations after which the attempt is abandoned, without those of BN at its end. No attempt that
     /// solves an increment of the tests takes as many.
     patience: usize,
 }
 
-#[derive(Clone, Copy)]
-enum By {
-    Newton,
-    /// The interior point method, from a start this many times as far from the border as the load suggests.
-    InteriorPoint(f64),
-}
-
-const NEWTON: Attempt = Attempt { by: By::Newton, patience: 40 };
-const NEAR: Attempt = Attempt { by: By::InteriorPoint(1.0), patience: 30 };
-const FAR: Attempt = Attempt { by: By::InteriorPoint(10.0), patience: 30 };
-const FARTHEST: Attempt = Attempt { by: By::InteriorPoint(100.0), patience: usize::MAX };
+const NEWTON: Attempt = Attempt { distance: None, patience: 40 };
+const NEAR: Attempt = Attempt { distance: Some(1.0), patience: 30 };
+const FAR: Attempt = Attempt { distance: Some(10.0), patience: 30 };
+const FARTHEST: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
 
 /// Returns `true` if no other attempt is needed.
 fn ends(result: &MethodResult) -> bool {
@@ -59,13 +70,17 @@ fn ends(result: &MethodResult) -> bool {
 }
 
 /// The attempts of BN without the interior point method.
-pub(super) const BN_ALONE: &[Attempt] = &[Attempt { by: By::Newton, patience: usize::MAX }];
+pub(super) const BN_ALONE: &[Attempt] = &[Attempt { patience: usize::MAX, ..NEWTON }];
 
 /// The attempts of `method = "bn"`.
 pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
 
 /// The attempts of `method = "ip"`.
 pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
+
+/// The largest number of linear solves. The nodes that press in the sliding state are those of the last state but for a
+/// few.
+const ROUNDS: usize = 4;
 
 /// The attempts, with the methods that make them.
 pub(super) struct Strategy {
@@ -89,19 +104,54 @@ impl Strategy {
         clamping.into_iter().map(|p| p * self.settings.scaling.force).collect()
     }
 
-    /// Looks for a sliding state from the normal forces of a state and a share of their friction. Returns the solves that it
-    /// took, and moves to the sliding state if there is one.
+    /// Looks for a sliding state, from the normal forces `pressed` (n_c, N) and this `share` of their friction. Returns the
+    /// solves that it took, and moves to the sliding state if there is one.
     fn slide(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         last: &State,
-        pressed: (&[f64], f64),
+        (pressed, share): (&[f64], f64),
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let (result, state) = sliding_state(task, self.bn.newton(), linear, last, pressed, observe)?;
-        if let Some(state) = state {
-            self.bn.set_state(&state);
+        let (problem, increment) = (task.problem, task.increment);
+        let sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
+        let load = Load { force: increment.force, sizes: &sizes };
+        let BnMethod { formulation, bn, .. } = &mut *self.bn;
+        let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
+        let mut result = MethodResult::nothing();
+        // Without pressure nothing is known of the contact.
+        let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
+        let rounds = if presses { ROUNDS } else { 0 };
+        let from = layout.packed(last, &scaling);
+        let (mut z, mut p_n) = (from.clone(), pressed.to_vec());
+        for round in 0..rounds {
+            if round == ROUNDS / 2 {
+                p_n.copy_from_slice(pressed);
+            }
+            let share = if round == 0 { share } else { 1.0 };
+            let mu: Vec<f64> = increment.mu.iter().map(|mu| share * mu).collect();
+            let Some(motion) = sliding_motion(problem, &mu, &load, &p_n) else { break };
+            // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
+            // then a drag spreads it over the body.
+            let v = problem.rigid_motion(&motion);
+            let much = excess(problem, increment.mu, increment.force, &p_n, &motion) / (dot(&v, &v) * scaling.force);
+            let drag = if round < ROUNDS / 2 { 0.0 } else { much };
+            let drag: Vec<f64> = v.iter().map(|v| drag * v).collect();
+            formulation.begin(increment, &from);
+            formulation.linearize_sliding(&p_n, &motion);
+            if !bn.solve_cases(formulation, linear, &drag, &mut z, &mut result, observe)? {
+                break;
+            }
+            p_n = formulation.pressing(&z).into_iter().map(|p| p * scaling.force).collect();
+            // At the very limit of friction the excess is rounding, and the joint still holds.
+            let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
+            let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
+            if slides && formulation.slides_on(&z, &motion, &problem.natural().contact_part) {
+                result.stop = Termination::Slips(motion);
+                self.bn.set_state(&layout.unpacked(&z, &scaling));
+                break;
+            }
         }
         Ok(result)
     }
@@ -144,17 +194,18 @@ impl IncrementSolver for Strategy {
             if left == 0 {
                 break;
             }
-            let tried = match attempt.by {
-                By::Newton => {
-                    bn.limit(left.min(attempt.patience));
+            let tried = match attempt.distance {
+                None => {
+                    bn.bn.limit(left.min(attempt.patience));
                     bn.solve(task, linear, observe)?
                 }
-                By::InteriorPoint(distance) => {
-                    let leads = matches!(self.attempts[0].by, By::InteriorPoint(_));
+                Some(distance) => {
+                    let leads = self.attempts[0].distance.is_some();
                     if leads && result.is_none() {
                         bn.begin(task, None, linear)?;
                     }
-                    let ip = ip.get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.assembled(), settings));
+                    let ip = ip
+                        .get_or_insert_with(|| PredictorCorrectorMethod::beside(bn.formulation.assembled(), settings));
                     ip.set_state(&last);
                     ip.start_at(distance, attempt.patience, left);
                     let mut tried = ip.solve(task, linear, observe)?;
@@ -226,7 +277,7 @@ impl IncrementSolver for Strategy {
 
     fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         if let Some(rescue) = snapshot.rescue.take() {
-            let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.assembled(), &self.settings));
+            let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.formulation.assembled(), &self.settings));
             if !ip.restore(*rescue, linear)? {
                 return Ok(false);
             }

@@ -121,8 +121,7 @@ pub trait IncrementSolver: Send {
 
     /// Returns `true` if the next increment starts on the tangent at the present state, whose factors are in `linear`,
     /// so that its start needs no [`Response`].
-    fn starts_on_tangent(&self, linear: &RefinedSolver) -> bool {
-        let _ = linear;
+    fn starts_on_tangent(&self, _linear: &RefinedSolver) -> bool {
         false
     }
 
@@ -148,11 +147,10 @@ pub trait IncrementSolver: Send {
     /// If the linear solver fails.
     fn ahead(
         &mut self,
-        start: &[f64],
-        cases: &[(bool, TangentialCase)],
-        linear: &mut RefinedSolver,
+        _start: &[f64],
+        _cases: &[(bool, TangentialCase)],
+        _linear: &mut RefinedSolver,
     ) -> Result<Option<State>, LinearError> {
-        let _ = (start, cases, linear);
         Ok(None)
     }
 
@@ -170,8 +168,7 @@ pub trait IncrementSolver: Send {
     }
 
     /// Takes a snapshot of all data on which the next increment depends. `linear` is the solver of the method.
-    fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
-        let _ = linear;
+    fn snapshot(&self, _linear: &RefinedSolver) -> Snapshot {
         Snapshot::of_state(self.state())
     }
 
@@ -180,8 +177,7 @@ pub trait IncrementSolver: Send {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        let _ = linear;
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
         let (length, state) = (self.state().u.len(), snapshot.into_state());
         let state = state.filter(|state| state.u.len() == length);
         Ok(state.map(|state| self.set_state(&state)).is_some())
@@ -196,14 +192,12 @@ pub trait Algorithm {
     fn start(&self, problem: &ContactProblem, loading: &Loading) -> Box<dyn IncrementSolver>;
 
     /// Returns a factory for the contact `nodes` alone, ascending, or `None` if the method needs all contact nodes.
-    fn of_nodes(&self, nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
-        let _ = nodes;
+    fn of_nodes(&self, _nodes: &[usize]) -> Option<Box<dyn Algorithm>> {
         None
     }
 
     /// Returns `true` if the method supports these unknowns.
-    fn knows(&self, layout: &Layout) -> bool {
-        let _ = layout;
+    fn knows(&self, _layout: &Layout) -> bool {
         true
     }
 }

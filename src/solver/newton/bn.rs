@@ -1,17 +1,14 @@
 //! Algorithm BN: the B-differentiable Newton method. Steps 1 to 4 of the paper are marked in [`Bn::solve`]. `H` (19), its
 //! linearisation (21) and `Theta` are in `formulation/bdiff.rs`, the step size (12) in `armijo.rs`, the stopping tests in
-//! `end.rs`, what goes beyond the paper in `bn/beyond.rs`.
+//! [`StopCriterion`], what goes beyond the paper in `bn/beyond.rs`.
 
 mod beyond;
-mod forcing;
 
-use super::clock::Clock;
-use super::cycle::Cycle;
-use super::{Armijo, Iteration, IterationRecord, LinearSystem, MethodResult, StopCriterion, Termination};
+use super::{Armijo, Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::Bdiff;
 use beyond::Branch;
-use forcing::Forcing;
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 
 /// Algorithm BN with its workspace.
@@ -72,7 +69,8 @@ impl Bn {
         if observe(&Iteration::start(theta, error)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
-        if end.met_at_start(error) {
+        // The paper's test applies only after a step.
+        if end.met(f64::INFINITY, error) {
             return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
@@ -88,7 +86,7 @@ impl Bn {
             if full_step && !changed && formulation.refer_to(z) {
                 theta = clock.time(|| self.evaluate(formulation, z))?;
             }
-            let mut backward_error = match self.direction(formulation, linear, factored)? {
+            let backward_error = match self.direction(formulation, linear, factored)? {
                 Ok(error) => error,
                 Err(stop) => {
                     outcome.stop = stop;
@@ -99,19 +97,20 @@ impl Bn {
             // Step 3: the step size (12), and the step. A full step repeated with the same matrix refines a solution
             // and needs no search.
             let repeated = end.is_measured() && full_step && !changed;
-            let (mut step, mut backtracks) =
-                if repeated { (1.0, 0) } else { clock.time(|| self.step_size(formulation, z, theta)) };
-            if end.is_measured() && backtracks == self.armijo.max_backtracks {
-                let last = Branch { step, backtracks, backward_error, solves: 0 };
-                let ahead = self.branch_ahead(last, formulation, linear, z, theta)?;
-                Branch { step, backtracks, backward_error, .. } = ahead;
-                outcome.iterations += ahead.solves;
+            let mut branch = Branch { step: 1.0, backtracks: 0, backward_error, solves: 0 };
+            if !repeated {
+                (branch.step, branch.backtracks) = clock.time(|| self.step_size(formulation, z, theta));
             }
+            if end.is_measured() && branch.backtracks == self.armijo.max_backtracks {
+                self.branch_ahead(&mut branch, formulation, linear, z, theta)?;
+            }
+            let Branch { step, backtracks, backward_error, solves } = branch;
             theta = clock.time(|| {
                 z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
                 self.evaluate(formulation, z)
             })?;
             full_step = step == 1.0;
+            outcome.iterations += solves;
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
@@ -122,10 +121,9 @@ impl Bn {
             if (repeated || formulation.is_affine() && end.is_measured()) && !met {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
                 met = self.refine(formulation, linear, z, &mut end)?;
-                match formulation.unconstrained_mode() {
-                    None => outcome.stop = Termination::Stalled,
-                    Some(_) if !met && self.follow(formulation, z) => theta = self.evaluate(formulation, z)?,
-                    Some(motion) => outcome.stop = Termination::Unconstrained(motion),
+                match self.motion_ahead(formulation, z, met) {
+                    None => theta = self.evaluate(formulation, z)?,
+                    Some(stop) => outcome.stop = stop,
                 }
             }
             if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
@@ -254,4 +252,122 @@ fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Result<(), Li
         }
     }
     Ok(())
+}
+
+/// The sets of cases that an increment has visited.
+#[derive(Default)]
+struct Cycle {
+    seen: HashSet<Vec<u8>>,
+    visits: usize,
+    /// The number of the visit that brought the last new set.
+    last_new: usize,
+}
+
+impl Cycle {
+    fn visit(&mut self, cases: Vec<u8>) {
+        self.visits += 1;
+        if self.seen.insert(cases) {
+            self.last_new = self.visits;
+        }
+    }
+
+    /// Returns `true` if the second half of the visits brought no new set.
+    fn closed(&self) -> bool {
+        2 * self.last_new <= self.visits
+    }
+}
+
+/// A measure of the distance of `z + rest` from the exact law, where `rest` is the low-order part of `z`.
+pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Result<f64, LinearError>;
+
+/// The stopping test of Algorithm BN.
+pub enum StopCriterion<'a> {
+    /// `Theta ≤ ε` after a step, in the unit of the formulation's `Theta`: the paper's test.
+    Merit(f64),
+    /// The caller's error measure is at most the tolerance, possibly before the first step.
+    ///
+    /// This test demands the last digits: a full step that repeats with the same matrix is followed by refinement. If
+    /// the step size rule finds no step along (21), the exact derivative (20) is tried. If neither helps, the
+    /// iteration has stalled.
+    Measured {
+        /// The tolerance of the error measure.
+        tolerance: f64,
+        /// The error measure.
+        error: Measure<'a>,
+    },
+}
+
+impl StopCriterion<'_> {
+    /// Returns the error at `z + rest`, if it is measured.
+    fn measure(&mut self, z: &[f64], rest: &[f64]) -> Result<Option<f64>, LinearError> {
+        match self {
+            StopCriterion::Merit(_) => Ok(None),
+            StopCriterion::Measured { error, .. } => error(z, rest).map(Some),
+        }
+    }
+
+    /// Returns `true` if the iterate with the merit `theta` and this error is a solution.
+    fn met(&self, theta: f64, measured: Option<f64>) -> bool {
+        match self {
+            StopCriterion::Merit(epsilon) => theta <= *epsilon,
+            StopCriterion::Measured { tolerance, .. } => measured.is_some_and(|error| error <= *tolerance),
+        }
+    }
+
+    /// Returns `true` if the last digits are needed.
+    fn is_measured(&self) -> bool {
+        matches!(self, StopCriterion::Measured { .. })
+    }
+}
+
+/// The accuracy far from the solution.
+const LOOSE: f64 = 1e-2;
+/// The accuracy that rounding and the end of an increment require.
+const TIGHT: f64 = 1e-8;
+/// The share of the expected reduction.
+const SAFETY: f64 = 0.9;
+
+/// The forcing terms of Eisenstat and Walker (1996), choice 2: `0.9 (|b| / |b_last|)²`.
+#[derive(Debug, Default)]
+struct Forcing {
+    last: f64,
+}
+
+impl Forcing {
+    /// Returns the admissible residual of the direction for the right-hand side `b`, relative to `b`. If `b` has
+    /// grown, as at the start of an increment, the loosest term is used.
+    fn term(&mut self, b: &[f64]) -> f64 {
+        let size = b.iter().map(|b| b * b).sum::<f64>().sqrt();
+        let last = std::mem::replace(&mut self.last, size);
+        if last > 0.0 { (SAFETY * (size / last).powi(2)).clamp(TIGHT, LOOSE) } else { LOOSE }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cycle_is_closed_when_half_of_the_visits_bring_nothing_new() {
+        let closed = |visits: &[u8]| {
+            let mut cycle = Cycle::default();
+            for &case in visits {
+                cycle.visit(vec![case]);
+            }
+            cycle.closed()
+        };
+        assert!(closed(&[1, 2, 1, 2]));
+        assert!(closed(&[1, 2, 3, 2, 3, 2]));
+        assert!(!closed(&[1, 2, 3, 2, 3]));
+        assert!(!closed(&[1, 2, 3, 4]));
+    }
+
+    #[test]
+    fn terms_follow_the_reduction() {
+        let mut forcing = Forcing::default();
+        assert_eq!(forcing.term(&[3.0, 4.0]), LOOSE);
+        assert!((forcing.term(&[0.3, 0.4]) - 0.9e-2).abs() < 1e-15);
+        assert_eq!(forcing.term(&[3e-6, 4e-6]), TIGHT);
+        assert_eq!(forcing.term(&[1.0, 1.0]), LOOSE);
+    }
 }

@@ -1,7 +1,6 @@
 //! Algorithm IP: the potential reduction interior point method.
 
-use super::clock::Clock;
-use super::{Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
+use super::{Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver, SolveInfo};
 use crate::solver::formulation::{Constrained, InteriorPoint};
 use std::ops::ControlFlow;
@@ -82,6 +81,12 @@ impl Workspace {
         self.rhs.resize(formulation.matrix().order(), 0.0);
     }
 
+    /// Computes `h = H(z)`. Returns `Theta`.
+    pub(super) fn evaluate(&mut self, formulation: &dyn InteriorPoint, z: &[f64]) -> Result<f64, LinearError> {
+        formulation.residual(z, &mut self.h)?;
+        Ok(formulation.theta(z, &self.h))
+    }
+
     /// Solves `∇H(z) dz = b` with the last factors.
     pub(super) fn solve(
         &mut self,
@@ -129,8 +134,7 @@ impl Ip {
         let zeta = settings.zeta * n_2;
         let mut sigma = settings.sigma_0;
         formulation.refer_to(z);
-        clock.time(|| formulation.residual(z, &mut self.work.h))?;
-        let mut theta = formulation.theta(z, &self.work.h);
+        let mut theta = clock.time(|| self.work.evaluate(formulation, z))?;
         let mut outcome = MethodResult::new(theta);
         if observe(&Iteration::start(theta, None)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
@@ -154,7 +158,7 @@ impl Ip {
             };
 
             // Step 3: the step size, along ψ (13), and the step.
-            let Workspace { h, dz, .. } = &mut self.work;
+            let Workspace { h, dz, .. } = &self.work;
             let longest = formulation.largest_step(z, dz, h, centring);
             let first = (settings.tau_hat * longest).min(settings.xi);
             let search = clock.time(|| {
@@ -169,18 +173,16 @@ impl Ip {
                 outcome.stop = Termination::Stalled;
                 break;
             };
-            clock.time(|| -> Result<(), LinearError> {
-                z.iter_mut().zip(&*dz).for_each(|(z, dz)| *z += step * dz);
+            theta = clock.time(|| {
+                z.iter_mut().zip(&self.work.dz).for_each(|(z, dz)| *z += step * dz);
                 formulation.refer_to(z);
-                formulation.residual(z, h)?;
-                theta = formulation.theta(z, h);
-                Ok(())
+                self.work.evaluate(formulation, z)
             })?;
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination, and the next σ (36).
-            let record =
-                IterationRecord { iteration, theta, step, backtracks, backward_error, factored: true, error: None };
+            let start = IterationRecord::start(theta);
+            let record = IterationRecord { iteration, step, backtracks, backward_error, factored: true, ..start };
             let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
             if outcome.ends(theta <= settings.epsilon || formulation.is_affine(), flow) {
                 break;

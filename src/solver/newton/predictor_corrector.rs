@@ -4,9 +4,8 @@
 //! No constant depends on the problem: `σ` follows from the step of the predictor, the step from the border, and the
 //! caller's error measure is the stopping test.
 
-use super::clock::Clock;
 use super::ip::Workspace;
-use super::{Iteration, IterationRecord, MethodResult, Termination};
+use super::{Clock, Iteration, IterationRecord, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::{Face, InteriorPoint, Pair, largest_step};
 use std::ops::ControlFlow;
@@ -21,21 +20,23 @@ const SHARE: f64 = 0.99;
 /// extreme scenes in the plane took 1.3 % more iterations with it.
 const JAMMED: f64 = 0.1;
 
-/// The stopping test of the predictor–corrector method.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct PredictorCorrectorSettings {
+/// The predictor–corrector method with its workspace.
+pub(crate) struct PredictorCorrector {
     /// The tolerance of the error measure.
     pub tolerance: f64,
     /// The limit of iterations.
     pub max_iterations: usize,
-}
-
-/// The predictor–corrector method with its workspace.
-#[derive(Default)]
-pub(crate) struct PredictorCorrector {
     work: Workspace,
     /// The iterate before the last step.
     before: Vec<f64>,
+}
+
+/// An iterate with its equations.
+struct Iterate<'a> {
+    z: &'a mut [f64],
+    formulation: &'a mut dyn InteriorPoint,
+    linear: &'a mut RefinedSolver,
+    error: &'a mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
 }
 
 /// The result of a step.
@@ -46,6 +47,11 @@ struct Taken {
 }
 
 impl PredictorCorrector {
+    /// Creates a workspace for iterations up to this error measure, or up to this limit.
+    pub fn new(tolerance: f64, max_iterations: usize) -> Self {
+        PredictorCorrector { tolerance, max_iterations, work: Workspace::default(), before: Vec::new() }
+    }
+
     /// Solves `H(z) = 0` from a `z` whose pairs are positive, and leaves the last iterate in `z`. `error` measures
     /// the state in `z`. One iteration factors one matrix, which serves the two right-hand sides of predictor and
     /// corrector.
@@ -54,7 +60,6 @@ impl PredictorCorrector {
     /// If the linear solver fails for lack of memory or misuse. A singular matrix is no error, but a [`Termination`].
     pub fn solve(
         &mut self,
-        settings: &PredictorCorrectorSettings,
         formulation: &mut dyn InteriorPoint,
         linear: &mut RefinedSolver,
         z: &mut [f64],
@@ -63,59 +68,50 @@ impl PredictorCorrector {
     ) -> Result<MethodResult, LinearError> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
-        clock.time(|| formulation.residual(z, &mut self.work.h))?;
-        let theta = formulation.theta(z, &self.work.h);
-        let mut outcome = MethodResult::new(theta);
-        if observe(&Iteration::start(theta, None)).is_break() {
+        let mut at = Iterate { z, formulation, linear, error };
+        let mut outcome = MethodResult::new(clock.time(|| self.work.evaluate(at.formulation, at.z))?);
+        if observe(&Iteration::start(outcome.theta, None)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
         // The face ahead, and the last face to which a step was tried.
         let (mut ahead, mut tried): (Option<Face>, Option<Face>) = (None, None);
         let mut settled = false;
         // Equations that are not linear on their faces have no face ahead at any point.
-        let curved = formulation.face_ahead(z, z).is_none();
+        let curved = at.formulation.face_ahead(at.z, at.z).is_none();
 
-        for iteration in 1..=settings.max_iterations {
+        for iteration in 1..=self.max_iterations {
             let taken = match &ahead {
                 // If two steps have approached the same face, it may be that of the solution.
                 Some(face) if settled && tried != ahead => {
                     tried.clone_from(&ahead);
-                    self.step_to(face, formulation, linear, z, settings.tolerance, error)
+                    self.step_to(face, &mut at)
                 }
                 _ => {
-                    let taken = self.step(curved, formulation, linear, z, error);
+                    let taken = self.step(curved, &mut at);
                     // A failed step has not moved z.
                     if taken.is_ok() {
-                        let face = formulation.face_ahead(&self.before, z);
+                        let face = at.formulation.face_ahead(&self.before, at.z);
                         settled = ahead == face;
                         ahead = face;
                     }
                     taken
                 }
             };
-            let taken = match taken {
+            let Taken { step, backward_error, error } = match taken {
                 Ok(taken) => taken,
                 Err(error) => {
                     outcome.stop = Termination::at(error)?;
                     break;
                 }
             };
-            clock.time(|| formulation.residual(z, &mut self.work.h))?;
-            let theta = formulation.theta(z, &self.work.h);
-            let Taken { step, backward_error, error } = taken;
+            let theta = clock.time(|| self.work.evaluate(at.formulation, at.z))?;
             outcome.add(theta, 0, backward_error);
-            let record = IterationRecord {
-                iteration,
-                theta,
-                step,
-                backtracks: 0,
-                backward_error,
-                factored: true,
-                // The error of a rejected step belongs to its end, not to z.
-                error: (step > 0.0).then_some(error),
-            };
-            let flow = observe(&Iteration { record, system: Some(self.work.system(formulation)) });
-            if outcome.ends(error <= settings.tolerance || formulation.is_affine(), flow) {
+            // The error of a rejected step belongs to its end, not to z.
+            let of_z = (step > 0.0).then_some(error);
+            let start = IterationRecord::start(theta);
+            let record = IterationRecord { iteration, step, backward_error, factored: true, error: of_z, ..start };
+            let flow = observe(&Iteration { record, system: Some(self.work.system(at.formulation)) });
+            if outcome.ends(error <= self.tolerance || at.formulation.is_affine(), flow) {
                 break;
             }
         }
@@ -124,21 +120,15 @@ impl PredictorCorrector {
     }
 
     /// Computes a predictor and a corrector with one matrix, and takes the step.
-    fn step(
-        &mut self,
-        curved: bool,
-        formulation: &mut dyn InteriorPoint,
-        linear: &mut RefinedSolver,
-        z: &mut [f64],
-        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
-    ) -> Result<Taken, LinearError> {
+    fn step(&mut self, curved: bool, at: &mut Iterate<'_>) -> Result<Taken, LinearError> {
+        let Iterate { z, formulation, linear, error } = at;
         let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
         formulation.linearize(z);
         linear.factorize(formulation.matrix())?;
 
         // The predictor aims at the solution itself, σ = 0.
         self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
-        let predicted = self.work.solve(formulation, linear, z)?;
+        let predicted = self.work.solve(*formulation, linear, z)?;
         let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
 
         // The corrector aims at products of σ β, with Mehrotra's σ, and takes the second order of the products from
@@ -148,15 +138,13 @@ impl PredictorCorrector {
         for pair in formulation.pairs() {
             self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];
         }
-        let mut corrected = self.work.solve(formulation, linear, z)?;
+        let mut corrected = self.work.solve(*formulation, linear, z)?;
         let mut step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
         if curved && step < JAMMED {
             // A very short predictor contains no information on the second order. Without it, σ = 1.
             self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
-            for pair in formulation.pairs() {
-                self.work.b[pair.length] += beta;
-            }
-            corrected = self.work.solve(formulation, linear, z)?;
+            formulation.pairs().iter().for_each(|pair| self.work.b[pair.length] += beta);
+            corrected = self.work.solve(*formulation, linear, z)?;
             step = (SHARE * largest_step(formulation.pairs(), z, &self.work.dz)).min(1.0);
         }
 
@@ -167,21 +155,14 @@ impl PredictorCorrector {
         Ok(Taken { step, backward_error, error: error(z)? })
     }
 
-    /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within `tolerance`;
+    /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within the tolerance;
     /// otherwise `z` is unchanged.
-    fn step_to(
-        &mut self,
-        face: &Face,
-        formulation: &mut dyn InteriorPoint,
-        linear: &mut RefinedSolver,
-        z: &mut [f64],
-        tolerance: f64,
-        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
-    ) -> Result<Taken, LinearError> {
+    fn step_to(&mut self, face: &Face, at: &mut Iterate<'_>) -> Result<Taken, LinearError> {
+        let Iterate { z, formulation, linear, error } = at;
         let point = face.point(formulation.pairs(), z.len());
         formulation.linearize(&point);
         face.towards(formulation.pairs(), z, &self.work.h, &mut self.work.b);
-        let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(formulation, linear, &point));
+        let solved = linear.factorize(formulation.matrix()).and_then(|_| self.work.solve(*formulation, linear, &point));
         let info = match solved {
             Ok(info) => info,
             // A face that does not hold the body is not that of the solution.
@@ -192,7 +173,7 @@ impl PredictorCorrector {
         };
         let end: Vec<f64> = z.iter().zip(&self.work.dz).map(|(z, dz)| z + dz).collect();
         let error = error(&end)?;
-        let reached = error <= tolerance;
+        let reached = error <= self.tolerance;
         if reached {
             z.copy_from_slice(&end);
         }

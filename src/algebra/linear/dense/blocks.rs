@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use super::local::Local;
-use crate::algebra::linear::error::expect_length;
-use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::linear::{LinearError, SystemMatrix, expect_length};
 use crate::algebra::sparse::{DenseSymmetric, Pattern};
 use crate::algebra::union_find::UnionFind;
 

@@ -25,8 +25,7 @@ use std::sync::Arc;
 
 use super::petsc::Amg;
 use super::ranks;
-use crate::algebra::linear::error::expect_length;
-use crate::algebra::linear::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix};
+use crate::algebra::linear::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix, expect_length};
 use crate::algebra::sparse::{Csc, Pattern};
 use block::Border;
 pub use form::Form;

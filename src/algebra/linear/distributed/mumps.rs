@@ -13,8 +13,7 @@ use std::ffi::c_int;
 use std::sync::Arc;
 
 use super::ranks::{Kind, Shared};
-use crate::algebra::linear::error::expect_length;
-use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
+use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver, expect_length};
 use crate::algebra::sparse::Pattern;
 pub(super) use instance::Instance;
 use instance::Job;

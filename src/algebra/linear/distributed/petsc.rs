@@ -8,8 +8,7 @@ mod share;
 mod sys;
 
 use super::ranks::{Kind, Shared};
-use crate::algebra::linear::LinearError;
-use crate::algebra::linear::error::{expect_finite, expect_length};
+use crate::algebra::linear::{LinearError, expect_finite, expect_length};
 pub(super) use share::Share;
 
 /// A square matrix by compressed rows, sorted.

@@ -2,8 +2,6 @@
 
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::sparse::linalg::SymbolicSupernodalParams;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial::{
     prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
@@ -11,12 +9,12 @@ use faer::sparse::linalg::cholesky::supernodal::{
     SymbolicSupernodalCholesky, factorize_supernodal_numeric_llt, factorize_supernodal_numeric_llt_scratch,
     factorize_supernodal_symbolic_cholesky, factorize_supernodal_symbolic_cholesky_scratch,
 };
+use faer::sparse::linalg::{SymbolicSupernodalParams, amd};
 use faer::sparse::utils::{permute_self_adjoint, permute_self_adjoint_scratch};
 use faer::sparse::{FaerError, SparseColMatRef};
 use faer::{Side, Spec};
 
-use super::indices::Indices;
-use super::{memory, out_of_memory, parallelism, permutation};
+use super::{Indices, memory, out_of_memory, parallelism, permutation};
 use crate::algebra::linear::supernodal::{Supernodal, Supernode};
 use crate::algebra::linear::{FactorInfo, LinearError};
 use crate::algebra::sparse::{Csc, Pattern};

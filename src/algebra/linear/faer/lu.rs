@@ -20,10 +20,8 @@ use faer::sparse::linalg::lu::supernodal::{
 use faer::sparse::linalg::{LuError, SymbolicSupernodalParams, colamd, qr};
 use faer::{Conj, Par, Spec};
 
-use super::indices::Indices;
-use super::{memory, out_of_memory, parallelism, permutation};
-use crate::algebra::linear::error::{expect_finite, expect_length};
-use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
+use super::{Indices, memory, out_of_memory, parallelism, permutation};
+use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver, expect_finite, expect_length};
 use crate::algebra::sparse::Pattern;
 
 /// The LU backend of faer.

@@ -1,7 +1,7 @@
 //! Extensions of Algorithm BN beyond the paper's loop: the last digits, points where it stalls, and bodies that the
 //! contact statuses leave unconstrained.
 
-use super::{Bn, Iteration, IterationRecord, MethodResult, StopCriterion};
+use super::{Bn, Iteration, IterationRecord, MethodResult, StopCriterion, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::sum;
 use crate::solver::formulation::Bdiff;
@@ -33,12 +33,12 @@ impl Bn {
     /// until one admits a step.
     pub(super) fn branch_ahead(
         &mut self,
-        mut branch: Branch,
+        branch: &mut Branch,
         formulation: &mut Bdiff,
         linear: &mut RefinedSolver,
         z: &[f64],
         theta: f64,
-    ) -> Result<Branch, LinearError> {
+    ) -> Result<(), LinearError> {
         for _ in 0..BRANCH_TRIALS {
             if !formulation.linearize_towards(z, &self.dz) {
                 break;
@@ -51,7 +51,7 @@ impl Bn {
                 break;
             }
         }
-        Ok(branch)
+        Ok(())
     }
 
     /// Takes Newton steps with the last factors from residuals in twice the working precision, as long as they gain.
@@ -116,13 +116,13 @@ impl Bn {
         Ok(!outcome.ends(false, flow))
     }
 
-    /// Moves along the unconstrained mode in the last direction until the first contact node changes its case.
-    /// Returns `false` if none does.
-    pub(super) fn follow(&self, formulation: &Bdiff, z: &mut [f64]) -> bool {
-        let reach = formulation.reach(z, &self.dz);
-        if let Some(step) = reach {
-            z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
-        }
-        reach.is_some()
+    /// Moves along the unconstrained mode in the last direction until the first contact node changes its case. Returns the
+    /// reason to stop if there is no such mode, if none does, or if the solution is `met`.
+    pub(super) fn motion_ahead(&self, formulation: &Bdiff, z: &mut [f64], met: bool) -> Option<Termination> {
+        let Some(mode) = formulation.unconstrained_mode() else { return Some(Termination::Stalled) };
+        let reach = if met { None } else { formulation.reach(z, &self.dz) };
+        let Some(step) = reach else { return Some(Termination::Unconstrained(mode)) };
+        z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
+        None
     }
 }

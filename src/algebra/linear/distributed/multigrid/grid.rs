@@ -1,7 +1,6 @@
 //! The geometric data of multigrid besides the matrix: the positions of the unknowns.
 
-use crate::algebra::linear::LinearError;
-use crate::algebra::linear::error::expect_length;
+use crate::algebra::linear::{LinearError, expect_length};
 
 /// The positions of a body's displacements, and the unknowns that are contact forces.
 #[derive(Debug, Clone, PartialEq)]

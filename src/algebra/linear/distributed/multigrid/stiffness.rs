@@ -12,8 +12,7 @@ use super::rows::rows;
 use super::shared::SharedStiffness;
 use crate::algebra::linear::distributed::petsc::Rows;
 use crate::algebra::linear::distributed::ranks::{Graph, partition};
-use crate::algebra::linear::error::expect_length;
-use crate::algebra::linear::{Distributed, LinearError, SystemMatrix};
+use crate::algebra::linear::{Distributed, LinearError, SystemMatrix, expect_length};
 use crate::algebra::sparse::Pattern;
 
 /// The places of all unknowns, for one pattern.

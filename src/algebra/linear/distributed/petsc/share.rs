@@ -7,9 +7,8 @@ use std::ptr;
 use std::sync::OnceLock;
 
 use super::{Rows, sys};
-use crate::algebra::linear::LinearError;
 use crate::algebra::linear::distributed::ranks::{RankLocal, World};
-use crate::algebra::linear::error::expect_length;
+use crate::algebra::linear::{LinearError, expect_length};
 
 const NAME: &str = "PETSc";
 

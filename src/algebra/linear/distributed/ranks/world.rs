@@ -5,9 +5,8 @@
 use std::ffi::{c_int, c_long};
 
 use super::{Command, sys};
-use crate::algebra::linear::error::expect_length;
 use crate::algebra::linear::process::blas::room;
-use crate::algebra::linear::{LinearError, RankUse, process};
+use crate::algebra::linear::{LinearError, RankUse, expect_length, process};
 
 /// The time that an idle rank sleeps between polls, ns.
 const NAP: c_long = 5_000_000;
