@@ -23,6 +23,7 @@ mod run;
 mod schema;
 mod shell;
 mod solve;
+mod study;
 mod sweep;
 mod threads;
 mod uniqueness;

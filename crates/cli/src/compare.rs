@@ -13,13 +13,12 @@ mod cases;
 mod cell;
 mod convergence;
 mod errors;
-mod mesh;
 mod pareto;
 mod picture;
+mod table;
 mod tractions;
 
 use cases::Study;
-pub(crate) use mesh::{each, first_elements, multiplied};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -31,10 +30,12 @@ use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
+pub use crate::study::{ElementChoice, MeshChoice, MeshSize};
+use crate::study::{each, first_elements};
 pub use answers::{Estimate, Lead};
+pub(crate) use cell::CellFolder;
 pub use cell::Cells;
 pub use errors::{End, MeshErrors, TimeErrors};
-pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, TractionNode, Tractions};
@@ -69,6 +70,10 @@ pub struct Plan {
 /// The times of a run by phase, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
+    /// The CPU time of the whole run.
+    pub cpu: f64,
+    /// The wall time of the whole run.
+    pub wall: f64,
     /// Mesh, `K`, contact maps and loads: wall time, measured once per mesh.
     pub model: f64,
     /// Symbolic analysis: wall time, as for the phases below.
@@ -76,15 +81,11 @@ pub struct Phases {
     /// Residuals, merits and Jacobian values.
     pub assembly: f64,
     /// Factorisations, including the one of the clamped body.
-    pub factorization: f64,
+    pub factor: f64,
     /// Solves with refinement and backward error.
     pub solve: f64,
     /// Everything else.
     pub rest: f64,
-    /// The wall time of the whole run.
-    pub wall: f64,
-    /// The CPU time of the whole run.
-    pub cpu: f64,
 }
 
 /// One iteration of a run.
@@ -257,19 +258,19 @@ pub fn compute(
         tell(format!("{mesh}, reference with {reference} increments"));
         Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
     })?;
-    let units = studies.last().map_or(scene.description.system(3), Study::units);
+    let units = studies.last().map_or(scene.description.system(3), |study| study.model.units());
     let mut tasks = Vec::new();
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
     let trials = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
-        tell(format!("{}, {path}, {increments} increments", study.mesh()));
+        tell(format!("{}, {path}, {increments} increments", study.result.mesh));
         study.run(path, increments, cells)
     })?;
     let each = plan.paths.len() * increments.len();
     let mut trials = trials.into_iter();
     let mut studied: Vec<(MeshResult, Vec<Trial>)> =
-        studies.into_iter().map(|study| (study.result(), trials.by_ref().take(each).collect())).collect();
+        studies.into_iter().map(|study| (study.result, trials.by_ref().take(each).collect())).collect();
     // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
     // counts as the finer one.
     studied.sort_by_key(|(result, _)| result.displacements);

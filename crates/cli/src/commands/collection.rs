@@ -9,10 +9,9 @@ use clap::Args;
 use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip_exchange::{ProblemFile, Way, solve_by};
-use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
-use super::run::write_failure;
+use super::study::{StudyFolder, pretty};
 use super::{ExitStatus, Failure, interrupt};
 
 /// The name endings of exchange files.
@@ -45,9 +44,7 @@ pub(super) struct CollectionArgs {
 pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
-    let lock =
-        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
-    let _alone = args.out.as_ref().map(lock).transpose()?;
+    let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
     let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
     let bar = bar(tasks.len(), "problems");
@@ -59,8 +56,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
     bar.finish_and_clear();
     let rows: Vec<Row> = rows.unwrap_or_default().into_iter().flatten().collect();
     let collection = Collection::new(rows);
-    let json =
-        serde_json::to_string_pretty(&collection).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let json = pretty(&collection)?;
     if args.json {
         say!("{json}");
     } else {
@@ -69,10 +65,12 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
         let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
         say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
     }
-    if let Some(folder) = &args.out {
-        write(folder, &args.folder, &collection, &json)?;
+    if let Some(folder) = &folder {
+        let profile = collection.profile();
+        let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
+        folder.write(FILES.into_iter().zip([collection.to_csv(), json, profile.to_csv(), chart]))?;
         if !args.json {
-            say!("results      {}", folder.display());
+            say!("results      {}", folder.path.display());
         }
     }
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
@@ -129,13 +127,4 @@ fn row(path: &Path, way: Way) -> Option<Row> {
             Some(Row::failed(&name, way.name(), status, format!("{name}: {error}")))
         }
     }
-}
-
-fn write(folder: &Path, of: &Path, collection: &Collection, json: &str) -> Result<(), Failure> {
-    let profile = collection.profile();
-    let chart = profile.chart(&format!("Problems of {}", of.display())).to_svg();
-    let chart = chart.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    let failed = |error: std::io::Error| write_failure(folder, &error);
-    let texts = [collection.to_csv(), json.to_string(), profile.to_csv(), chart];
-    FILES.into_iter().zip(texts).try_for_each(|(name, text)| write_file(folder, name, text)).map_err(failed)
 }

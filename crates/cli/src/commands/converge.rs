@@ -1,28 +1,26 @@
 //! `stickslip converge`.
 
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use crate::compare::MeshSize;
-use crate::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
+use crate::converge::{self, ConvergeError, Limits, Plan, Sought, Verdict};
+use crate::study::MeshSize;
 use clap::Args;
-use std::ops::ControlFlow;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::history::Observer;
-use stickslip_output::{FolderLock, write_file};
 
-use super::interrupt;
-use super::progress::bar;
-use super::run::write_failure;
-use super::{ExitStatus, Failure};
+use super::study::{StudyFolder, counted, pretty};
+use super::{ExitStatus, Failure, interrupt};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work or stick_ratio
+    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any number as in
+    /// sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
     sought: Sought,
     /// The share to which it is to be known, e.g. 0.02 for 2 %
@@ -82,57 +80,38 @@ impl Observer for OnRequest {
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
-    let lock =
-        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
-    let _alone = args.out.as_ref().map(lock).transpose()?;
+    let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let plan = Plan {
-        sought: args.sought,
-        to: args.to,
+        sought: args.sought.clone(),
         meshes: args.meshes.clone(),
         ratio: args.ratio,
-        most_runs: usize::from(args.max_runs),
-        within: args.within,
+        limits: Limits { to: args.to, most_runs: usize::from(args.max_runs), within: args.within },
     };
     linear::process::keep_freed_memory();
-    let bar = bar(plan.most_runs, "runs at most");
-    let mut started = false;
-    let mut progress = |what: String| {
-        bar.inc(u64::from(started));
-        started = true;
-        bar.set_message(what);
-    };
+    let (bar, mut progress) = counted(plan.limits.most_runs, "runs at most");
     let study = converge::compute(&scene, &plan, &mut progress, &mut OnRequest).map_err(|error| match error {
         ConvergeError::Run(error) => Failure::from(error),
         ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
         of_the_plan => Failure::Input(of_the_plan.into()),
     })?;
     bar.finish_and_clear();
-    let json = serde_json::to_string_pretty(&study.told());
-    let json = json.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let json = pretty(&study.told())?;
     if args.json {
         say!("{json}");
     } else {
-        print(&study);
-        if study.verdict == Verdict::NoFinerMesh
-            && let Some((command, _)) = finer(&scene)
-        {
+        say!("{}\n\n{}", scene.title, study.table());
+        study.lines().iter().for_each(|(label, text)| say!("{label:<13}{text}"));
+        if let Some((command, _)) = finer(&scene).filter(|_| study.verdict == Verdict::NoFinerMesh) {
             say!("             {command}");
         }
     }
-    if let Some(folder) = &args.out {
-        write(folder, &study, &json)?;
+    if let Some(folder) = &folder {
+        folder.write(FILES.into_iter().zip([study.to_csv(), json, study.chart().to_svg()?]))?;
         if !args.json {
-            say!("results      {}", folder.display());
+            say!("results      {}", folder.path.display());
         }
     }
     Ok(if study.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
-}
-
-fn print(study: &Convergence) {
-    say!("{}\n\n{}", study.title, study.table());
-    for (label, text) in study.lines() {
-        say!("{label:<13}{text}");
-    }
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {
@@ -156,12 +135,4 @@ fn finer(scene: &Scene) -> Option<(String, [String; 2])> {
     let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
     let command = format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}");
     Path::new(&geometry).is_file().then_some((command, named))
-}
-
-fn write(folder: &Path, study: &Convergence, json: &str) -> Result<(), Failure> {
-    let chart = study.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    for (name, content) in FILES.into_iter().zip([study.to_csv().as_str(), json, &chart]) {
-        write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
-    }
-    Ok(())
 }

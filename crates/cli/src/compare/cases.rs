@@ -2,13 +2,11 @@
 
 use super::cell::{Cells, Solved};
 use super::errors::{End, TimeErrors};
-use super::mesh::MeshChoice;
-use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
+use super::{Iterate, MeshChoice, MeshResult, Phases, SolverPath, Trial};
 use std::ops::ControlFlow;
 use std::time::Instant;
-use stickslip::base::UnitSystem;
 use stickslip::body::Model;
-use stickslip::run::report::{EstimateWatch, Estimates, thread_cpu_seconds};
+use stickslip::run::report::{EstimateWatch, thread_cpu_seconds};
 use stickslip::run::{Run, RunError, discretise, expect_exact_path};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
@@ -32,17 +30,13 @@ fn has_exact_path(model: &Model) -> bool {
     straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
 }
 
-/// A scene on one mesh.
+/// A scene on one mesh, with its reference.
 pub(super) struct Study {
     scene: Scene,
-    model: Model,
-    mesh: MeshChoice,
+    pub model: Model,
     /// Wall and CPU time of building the model, s.
     built: [f64; 2],
-    reference: Solved,
-    end: End,
-    /// The error estimates of the mesh, from the end of the reference.
-    estimates: Estimates,
+    pub result: MeshResult,
 }
 
 impl Study {
@@ -67,33 +61,35 @@ impl Study {
         let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
         })?;
-        let end = End::new(&model, &reference.state, reference.work);
-        let seen = reference.seen.clone().and_then(|seen| seen.of(&model));
+        let seen = reference.seen.and_then(|seen| seen.of(&model));
         let estimates = seen.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
-        Ok(Study { scene, model, mesh, built, reference, end, estimates })
-    }
-
-    /// Returns the mesh.
-    pub(super) fn mesh(&self) -> &MeshChoice {
-        &self.mesh
-    }
-
-    /// Returns the units for output.
-    pub(super) fn units(&self) -> UnitSystem {
-        self.model.units()
+        let result = MeshResult {
+            mesh,
+            displacements: model.problem.displacements(),
+            contacts: model.problem.contacts(),
+            increments: reference.increments,
+            status: reference.status,
+            seconds: reference.seconds.cpu,
+            end: End::new(&model, &reference.state, reference.work),
+            errors: None,
+            estimates: (reference.status == Status::Converged).then_some(estimates),
+        };
+        Ok(Study { scene, model, built, result })
     }
 
     /// Returns the history by `path` in this number of increments, solved unless `cells` has stored it.
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
-        let Study { scene, model, mesh, built, .. } = self;
+        let Study { scene, model, built, result } = self;
+        let mesh = &result.mesh;
         let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
-        let sound = solved.status == Status::Converged && self.reference.status == Status::Converged;
+        let sound = solved.status == Status::Converged && result.status == Status::Converged;
+        let errors = || TimeErrors::new(&end, &result.end, model.problem.weight().unwrap_or_default());
         Ok(Trial {
             path,
-            mesh: self.mesh.clone(),
+            mesh: mesh.clone(),
             increments,
             status: solved.status,
             converged: solved.converged,
@@ -103,26 +99,9 @@ impl Study {
             factor_entries: solved.factor_entries,
             factor_peak_bytes: solved.factor_peak_bytes,
             kkt: solved.kkt,
-            errors: sound.then(|| TimeErrors::new(&end, &self.end, model.problem.weight().unwrap_or_default())),
+            errors: sound.then(errors),
             iterates: solved.iterates,
         })
-    }
-
-    /// Returns the mesh and its reference.
-    pub(super) fn result(self) -> MeshResult {
-        let Solved { increments, status, seconds, .. } = self.reference;
-        let problem = &self.model.problem;
-        MeshResult {
-            mesh: self.mesh,
-            displacements: problem.displacements(),
-            contacts: problem.contacts(),
-            increments,
-            status,
-            seconds: seconds.cpu,
-            end: self.end,
-            errors: None,
-            estimates: (status == Status::Converged).then_some(self.estimates),
-        }
     }
 }
 
@@ -158,19 +137,12 @@ fn solve(
     let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
     let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
-    let [analysis, factorization, solve] =
-        [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
+    let linear = &outcome.linear;
+    let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
     let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
-    let seconds = Phases {
-        model: built[0],
-        analysis,
-        assembly,
-        factorization,
-        solve,
-        rest: wall - analysis - assembly - factorization - solve,
-        wall: built[0] + wall,
-        cpu: built[1] + cpu,
-    };
+    let rest = wall - analysis - assembly - factor - solve;
+    let [wall, cpu] = [built[0] + wall, built[1] + cpu];
+    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest };
     let records = &outcome.records;
     Ok(Solved {
         increments,
@@ -260,7 +232,7 @@ impl Observer for Recorder<'_, '_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use super::super::mesh::MeshSize;
+    use super::super::MeshSize;
     use super::*;
 
     /// However many increments the scene itself has.

@@ -6,7 +6,7 @@ use stickslip::body::mesh::{Body, HalfPlane, MeshSource, Segment};
 use stickslip::scene::{Override, Scene};
 
 use super::ConvergeError;
-use crate::compare::{MeshChoice, MeshSize, each, first_elements, multiplied};
+use crate::study::{MeshChoice, MeshSize, each, first_elements, multiplied};
 
 /// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless they are
 /// exact halves.

@@ -2,8 +2,6 @@
 
 use std::time::Instant;
 
-use stickslip::run::RunError;
-
 use super::extrapolation::{Behaviour, Limit, is_singular, limit};
 use super::{ConvergeError, Ladder, Verdict};
 
@@ -25,9 +23,9 @@ const ERRATIC: f64 = 0.2;
 /// The exponent by which the time grows with the number of elements: its range, and its value before it is measured.
 const GROWTH_OF_TIME: [f64; 3] = [1.0, 1.5, 2.5];
 
-/// The limits of a study.
+/// The aim and the limits of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Limits {
+pub struct Limits {
     /// The share to which the quantity is to be known.
     pub to: f64,
     /// The largest number of runs.
@@ -41,8 +39,10 @@ pub(super) struct Limits {
 pub(super) struct Solved {
     /// The name of the mesh.
     pub mesh: String,
-    /// The parts of the run that are the scene's own.
-    pub own: Own,
+    /// `true` if the mesh is the scene's own.
+    pub is_own_mesh: bool,
+    /// `true` if the mesh and the increments are the scene's own.
+    pub is_own: bool,
     /// The number of elements.
     pub elements: usize,
     /// The number of elements, where one of second order counts as those of first order with its nodes.
@@ -65,18 +65,6 @@ pub(super) struct Solved {
     pub failure: Option<String>,
     /// Wall time, s.
     pub seconds: f64,
-}
-
-/// The parts of a run that are the scene's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Own {
-    /// Not the mesh.
-    #[default]
-    No,
-    /// The mesh.
-    Mesh,
-    /// The mesh and the increments.
-    Whole,
 }
 
 /// A run of a study.
@@ -170,44 +158,40 @@ pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
             1.0 / step.run.increments as f64
         }
     };
-    series.sizes.push(size(&steps[last]));
-    series.values.push(value);
-    series.steps.push(last);
+    let mut points = vec![(size(&steps[last]), value, last)];
     for (k, pair) in steps.windows(2).enumerate().rev() {
         let (Some(before), Some(after)) = (usable(&pair[0]), usable(&pair[1])) else { break };
         if (pair[0].mesh == pair[1].mesh) == of_mesh {
             // The step before refined the other kind: it is an earlier run of the same level.
-            if let Some(first) = series.steps.last_mut() {
-                *first = k;
-            }
+            points.last_mut().into_iter().for_each(|(_, _, step)| *step = k);
             continue;
         }
         value -= after - before;
-        series.sizes.push(size(&pair[0]));
-        series.values.push(value);
-        series.steps.push(k);
+        points.push((size(&pair[0]), value, k));
     }
-    series.sizes.reverse();
-    series.values.reverse();
-    series.steps.reverse();
+    for (size, value, step) in points.into_iter().rev() {
+        series.sizes.push(size);
+        series.values.push(value);
+        series.steps.push(step);
+    }
     series
 }
 
-/// Refines until the value is known, calling `solve` with the levels of mesh and increments.
+/// Refines until the value is known, calling `solve` with the steps so far and the levels of mesh and increments.
 pub(super) fn refine(
     ladder: &Ladder,
     limits: Limits,
     may_be_singular: bool,
-    solve: &mut dyn FnMut(usize, usize) -> Result<Solved, ConvergeError>,
+    solve: &mut dyn FnMut(&[Step], usize, usize) -> Result<Solved, ConvergeError>,
 ) -> Result<Ended, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
     let mut steps: Vec<Step> = Vec::new();
     let mut predicted = None;
     let (verdict, reason) = loop {
-        match solve(mesh, increments) {
+        match solve(&steps, mesh, increments) {
             Ok(run) => steps.push(Step { run, mesh }),
-            Err(ConvergeError::Run(error)) if is_for_lack_of_memory(&error) && !steps.is_empty() => {
+            Err(ConvergeError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
             Err(error) => return Err(error),
@@ -217,7 +201,7 @@ pub(super) fn refine(
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
-            let doubt = steps.last().and_then(|step| step.run.doubt.clone());
+            let doubt = steps.last().and_then(|step| step.run.doubt);
             break (doubt.unwrap_or(Verdict::Known), String::new());
         }
         if may_be_singular && grows(&steps) {
@@ -245,10 +229,6 @@ pub(super) fn refine(
     };
     let errors = errors(&steps);
     Ok(Ended { verdict, reason, steps, errors, predicted })
-}
-
-fn is_for_lack_of_memory(error: &RunError) -> bool {
-    !error.is_of_the_input()
 }
 
 /// Returns the errors of the last run; `None` without a value.
@@ -348,7 +328,7 @@ mod tests {
         let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
         let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();
         let limits = Limits { to, most_runs: 12, within: 1e9 };
-        refine(&ladder, limits, true, &mut |mesh, level| {
+        refine(&ladder, limits, true, &mut |_, mesh, level| {
             let [h, k] = [mesh, level].map(|level| 0.5_f64.powi(level as i32));
             let mut run = Solved {
                 elements: 4 << (2 * mesh),

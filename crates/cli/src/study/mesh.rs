@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
-use super::CompareError;
+use crate::compare::CompareError;
 use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::scene::Override;
