@@ -1,7 +1,7 @@
 //! Compares methods, linear solvers, increments and meshes on one scene: error against time.
 //!
 //! Three errors are distinguished. The *algebraic* error is the error measure, iteration by iteration
-//! ([`Trial::iterates`]). The error of *time stepping* is the distance to a reference on the same mesh: the exact path
+//! ([`Course::iterates`]). The error of *time stepping* is the distance to a reference on the same mesh: the exact path
 //! in time or many more increments ([`TimeErrors`]). The difference to half the increments is no substitute, because a
 //! node that closes and sticks in the first half comes out the same with either. The error of the *mesh* is the
 //! distance between such a reference and the one on the finest mesh ([`MeshErrors`]). Time is the CPU time of the one
@@ -31,7 +31,7 @@ use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
 pub use crate::study::{ElementChoice, MeshChoice, MeshSize};
-use crate::study::{each, first_elements};
+use crate::study::{distinct, each, first_elements};
 pub use answers::{Estimate, Lead};
 pub(crate) use cell::CellFolder;
 pub use cell::Cells;
@@ -103,15 +103,9 @@ pub struct Iterate {
     pub error: Option<f64>,
 }
 
-/// A solved history.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
-    /// The method and the linear solver.
-    pub path: SolverPath,
-    /// The mesh.
-    pub mesh: MeshChoice,
-    /// The requested number of increments.
-    pub increments: usize,
+/// How a history was solved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Course {
     /// The verdict.
     pub status: Status,
     /// The number of increments that converged.
@@ -128,10 +122,23 @@ pub struct Trial {
     pub factor_peak_bytes: f64,
     /// The largest error measure of any increment.
     pub kkt: f64,
-    /// The distance to the reference; `None` if either did not converge.
-    pub errors: Option<TimeErrors>,
     /// The iterations of the run.
     pub iterates: Vec<Iterate>,
+}
+
+/// A solved history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The method and the linear solver.
+    pub path: SolverPath,
+    /// The mesh.
+    pub mesh: MeshChoice,
+    /// The requested number of increments.
+    pub increments: usize,
+    /// How it was solved.
+    pub course: Course,
+    /// The distance to the reference; `None` if either did not converge.
+    pub errors: Option<TimeErrors>,
 }
 
 /// A mesh and its reference: the exact path in time, or the default BN with many increments if that path is unknown or
@@ -303,33 +310,21 @@ impl Comparison {
 
     /// Returns the compared elements, in order.
     pub fn elements(&self) -> Vec<Option<ElementChoice>> {
-        let mut elements = Vec::new();
-        for result in &self.meshes {
-            if !elements.contains(&result.mesh.elements) {
-                elements.push(result.mesh.elements);
-            }
-        }
-        elements
+        distinct(self.meshes.iter().map(|result| result.mesh.elements))
     }
 
     /// Returns the CPU time (s) of the history with most increments on a mesh, by the first combination that completed
     /// it.
     pub fn seconds(&self, mesh: &MeshChoice) -> Option<f64> {
-        let solved = self.on(mesh).filter(|run| run.status == Status::Converged);
+        let solved = self.on(mesh).filter(|run| run.course.status == Status::Converged);
         // `rev` makes the first of the longest runs the last maximum, which `max_by_key` returns.
         let most = solved.rev().max_by_key(|run| run.increments)?;
-        Some(most.seconds.cpu)
+        Some(most.course.seconds.cpu)
     }
 
     /// Returns the compared combinations of method and linear solver, in order.
     pub fn paths(&self) -> Vec<SolverPath> {
-        let mut paths = Vec::new();
-        for run in &self.runs {
-            if !paths.contains(&run.path) {
-                paths.push(run.path);
-            }
-        }
-        paths
+        distinct(self.runs.iter().map(|run| run.path))
     }
 }
 
@@ -337,6 +332,6 @@ impl Trial {
     /// Returns the CPU time (s) and one of the errors, at least `floor`. `None` if the error is unknown.
     pub fn point(&self, error: fn(&TimeErrors) -> f64, floor: f64) -> Option<[f64; 2]> {
         let error = error(self.errors.as_ref()?);
-        error.is_finite().then(|| [self.seconds.cpu, error.max(floor)])
+        error.is_finite().then(|| [self.course.seconds.cpu, error.max(floor)])
     }
 }

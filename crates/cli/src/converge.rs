@@ -17,8 +17,7 @@ use serde::Serialize;
 
 use crate::compare::CompareError;
 use crate::study::MeshSize;
-use ladder::Numbers;
-use steps::{Ended, Solved};
+use steps::Solved;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
@@ -27,7 +26,7 @@ use stickslip::solver::history::{Observer, Status};
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use quantity::Sought;
-pub use steps::{Errors, Limits, Step};
+pub use steps::{Ended, Errors, Limits, Step};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -71,16 +70,8 @@ pub struct Convergence {
     pub sought: Sought,
     /// The share to which it was to be known.
     pub to: f64,
-    /// The verdict.
-    pub verdict: Verdict,
-    /// The reason why a run or the study ended early; empty otherwise.
-    pub reason: String,
-    /// The runs, in order.
-    pub steps: Vec<Step>,
-    /// The estimated errors of the last run; `None` for fewer than two runs.
-    pub errors: Option<Errors>,
-    /// The predicted time of the next run, s, if it is the reason for the end.
-    pub predicted: Option<f64>,
+    /// How it ended.
+    pub ended: Ended,
     /// The report of the last run.
     pub last: RunReport,
 }
@@ -143,9 +134,8 @@ pub fn compute(
         last = Some(report);
         Ok(run)
     })?;
-    let Ended { verdict, reason, steps, errors, predicted } = ended;
     let last = last.ok_or(ConvergeError::NoFinerMesh)?;
-    Ok(Convergence { sought, to: plan.limits.to, verdict, reason, steps, errors, predicted, last })
+    Ok(Convergence { sought, to: plan.limits.to, ended, last })
 }
 
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
@@ -161,7 +151,7 @@ fn solve(
     let mut overrides = ladder.mesh(own, mesh);
     overrides.push(Override::value("time.increments", number as i64));
     let scene = own.with(&overrides).map_err(RunError::from)?;
-    let name = Numbers(&scene.description.mesh).to_string();
+    let name = ladder::name(&scene.description.mesh);
     progress(format!("mesh {name}, {number} increments"));
     let start = Instant::now();
     let run = Run::new(&scene)?;

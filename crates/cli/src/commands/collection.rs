@@ -11,7 +11,7 @@ use stickslip::run::report::thread_cpu_seconds;
 use stickslip_exchange::{ProblemFile, Way, solve_by};
 
 use super::progress::bar;
-use super::study::{StudyFolder, pretty};
+use super::study::{StudyFolder, pretty, tell};
 use super::{ExitStatus, Failure, interrupt};
 
 /// The name endings of exchange files.
@@ -57,22 +57,14 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
     let rows: Vec<Row> = rows.unwrap_or_default().into_iter().flatten().collect();
     let collection = Collection::new(rows);
     let json = pretty(&collection)?;
-    if args.json {
-        say!("{json}");
-    } else {
-        say!("{}", collection.to_text().trim_end());
-        let Collection { files, solved, cpu_seconds, .. } = &collection;
-        let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
-        say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
-    }
-    if let Some(folder) = &folder {
-        let profile = collection.profile();
-        let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
-        folder.write(FILES.into_iter().zip([collection.to_csv(), json, profile.to_csv(), chart]))?;
-        if !args.json {
-            say!("results      {}", folder.path.display());
-        }
-    }
+    let Collection { files, solved, cpu_seconds, .. } = &collection;
+    let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
+    let verdict = format!("verdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
+    let text = format!("{}\n\n{verdict}", collection.to_text().trim_end());
+    let profile = collection.profile();
+    let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
+    let contents = [collection.to_csv(), json.clone(), profile.to_csv(), chart];
+    tell(folder.as_ref(), args.json.then_some(&json), &text, FILES.into_iter().zip(contents))?;
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
     Ok(match () {
         () if has(Verdict::MachineFailure) => ExitStatus::MachineFailure,

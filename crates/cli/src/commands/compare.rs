@@ -1,7 +1,7 @@
 //! `stickslip compare`.
 
 use super::run::write_failure;
-use super::study::{StudyFolder, counted};
+use super::study::{StudyFolder, counted, tell};
 use super::{ExitStatus, Failure, Invocation, origin};
 use crate::compare::{self, CellFolder, Cells, CompareError, Comparison, Plan, SolverPath};
 use crate::study::{ElementChoice, MeshChoice, MeshSize};
@@ -83,14 +83,10 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
-    let failed = |folder: &StudyFolder<'_>, error| write_failure(folder.path, &error);
-    let kept = match &folder {
-        Some(folder) => {
-            let cells = CellFolder::open(folder.path, origin(&scene)?, args.resume);
-            Some(cells.map_err(|error| failed(folder, error))?)
-        }
-        None => None,
+    let kept = |StudyFolder { path, .. }: &StudyFolder<'_>| {
+        CellFolder::open(path, origin(&scene)?, args.resume).map_err(|error| write_failure(path, &error))
     };
+    let kept = folder.as_ref().map(kept).transpose()?;
     let cells = kept.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.histories(), "histories");
@@ -100,24 +96,16 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     })?;
     bar.finish_and_clear();
 
-    if args.csv {
-        comparison.runs_csv().lines().for_each(|line| say!("{line}"));
-    } else {
-        say!("{}\n", comparison.title);
-        comparison.answers().iter().for_each(|answer| say!("{answer}"));
-        if let Some(blas) = &comparison.blas {
-            say!("\n{}", blas.with_threads());
-        }
-        say!("\n{}", comparison.to_text(&comparison.meshes).trim_end());
-    }
+    let answers: String = comparison.answers().iter().map(|answer| format!("{answer}\n")).collect();
+    let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
+    let text = format!("{}\n\n{answers}\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
+    let runs = comparison.runs_csv();
+    tell(folder.as_ref(), args.csv.then_some(&runs), &text, files(&comparison, invocation)?)?;
     if let (Some(folder), Some(cells)) = (&folder, &kept) {
-        write(folder, &comparison, invocation)?;
-        cells.remove().map_err(|error| failed(folder, error))?;
-        if !args.csv {
-            say!("results      {}", folder.path.display());
-        }
+        cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }
-    let runs = comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.status);
+    let runs =
+        comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.course.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
     let sound = statuses.all(|status| status == Status::Converged);
     Ok(if sound { ExitStatus::Success } else { ExitStatus::NotConverged })
@@ -167,21 +155,22 @@ fn quoted(argument: &str) -> String {
     if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
 }
 
-fn write(folder: &StudyFolder<'_>, comparison: &Comparison, invocation: &Invocation) -> Result<(), Failure> {
+/// Returns the files of a comparison, names and contents.
+fn files(comparison: &Comparison, invocation: &Invocation) -> Result<Vec<(String, String)>, Failure> {
     let command =
         invocation.arguments.iter().map(|argument| quoted(&argument.to_string_lossy())).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
-    let mut files = Vec::new();
+    let mut charts = Vec::new();
     for (stem, what, chart) in compare::charts(comparison) {
         let file = format!("{stem}.svg");
         page.extend(["\n![", what, "](", &file, ")\n"]);
-        files.push((file, chart.to_svg()?));
+        charts.push((file, chart.to_svg()?));
     }
     // The other meshes are in compare.csv.
     let finest = comparison.meshes.len().saturating_sub(1);
     page.extend(["\n```text\n", &comparison.to_text(&comparison.meshes[finest..]), "```\n"]);
     let tables = [comparison.runs_csv(), comparison.iterations_csv(), comparison.meshes_csv(), page];
-    folder.write(FILES.map(String::from).into_iter().zip(tables).chain(files))
+    Ok(FILES.map(String::from).into_iter().zip(tables).chain(charts).collect())
 }

@@ -12,7 +12,7 @@ use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::history::Observer;
 
-use super::study::{StudyFolder, counted, pretty};
+use super::study::{StudyFolder, counted, pretty, tell};
 use super::{ExitStatus, Failure, interrupt};
 
 #[derive(Args)]
@@ -96,22 +96,13 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     })?;
     bar.finish_and_clear();
     let json = pretty(&study.told())?;
-    if args.json {
-        say!("{json}");
-    } else {
-        say!("{}\n\n{}", scene.title, study.table());
-        study.lines().iter().for_each(|(label, text)| say!("{label:<13}{text}"));
-        if let Some((command, _)) = finer(&scene).filter(|_| study.verdict == Verdict::NoFinerMesh) {
-            say!("             {command}");
-        }
-    }
-    if let Some(folder) = &folder {
-        folder.write(FILES.into_iter().zip([study.to_csv(), json, study.chart().to_svg()?]))?;
-        if !args.json {
-            say!("results      {}", folder.path.display());
-        }
-    }
-    Ok(if study.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
+    let mut text = format!("{}\n\n{}\n", scene.title, study.table());
+    text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
+    let finer = finer(&scene).filter(|_| study.ended.verdict == Verdict::NoFinerMesh);
+    text.extend(finer.map(|(command, _)| format!("             {command}")));
+    let files = [study.to_csv(), json.clone(), study.chart().to_svg()?];
+    tell(folder.as_ref(), args.json.then_some(&json), &text, FILES.into_iter().zip(files))?;
+    Ok(if study.ended.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {

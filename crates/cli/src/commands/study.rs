@@ -40,13 +40,23 @@ impl<'a> StudyFolder<'a> {
         };
         out.map(open).transpose()
     }
+}
 
-    /// Writes files: their names and contents.
-    pub(super) fn write<N: AsRef<str>>(&self, files: impl IntoIterator<Item = (N, String)>) -> Result<(), Failure> {
-        let mut files = files.into_iter();
-        let written = files.try_for_each(|(name, content)| write_file(self.path, name.as_ref(), content));
-        written.map_err(|error| write_failure(self.path, &error))
+/// Prints the results of a study, as `data` alone or else as text, and writes the files, names and contents, if it has a folder.
+pub(super) fn tell<N: AsRef<str>>(
+    folder: Option<&StudyFolder<'_>>,
+    data: Option<&str>,
+    text: &str,
+    files: impl IntoIterator<Item = (N, String)>,
+) -> Result<(), Failure> {
+    say!("{}", data.unwrap_or(text).trim_end());
+    let Some(StudyFolder { path, .. }) = folder else { return Ok(()) };
+    let written = files.into_iter().try_for_each(|(name, content)| write_file(path, name.as_ref(), content));
+    written.map_err(|error| write_failure(path, &error))?;
+    if data.is_none() {
+        say!("results      {}", path.display());
     }
+    Ok(())
 }
 
 /// Formats results as one JSON object.

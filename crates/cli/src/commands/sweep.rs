@@ -13,7 +13,7 @@ use stickslip::scene::{Override, Scene};
 
 use super::progress::bar;
 use super::run::{check_companion, write_failure};
-use super::study::{StudyFolder, pretty};
+use super::study::{StudyFolder, pretty, tell};
 use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::Processes;
 
@@ -160,22 +160,13 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     let sweep =
         Sweep::new(&first, args.variations.clone(), shown, rows.map_err(|error: std::io::Error| failed(error))?);
     let json = pretty(&sweep.to_json())?;
-    if args.json {
-        say!("{json}");
-    } else {
-        say!("\n{}", sweep.to_text().trim_end());
-        if interrupt::requested() {
-            say!("interrupted  repeat the command with the same --out to continue");
-        }
+    let chart = sweep.chart().to_svg()?;
+    let mut text = format!("\n{}", sweep.to_text());
+    if interrupt::requested() {
+        text += "interrupted  repeat the command with the same --out to continue";
     }
-    if let Some(folder) = &folder {
-        let chart = sweep.chart().to_svg()?;
-        let page = sweep.to_html(&chart);
-        folder.write(TABLES.into_iter().zip([sweep.to_csv(), json, sweep.to_text(), chart, page]))?;
-        if !args.json {
-            say!("results      {}", folder.path.display());
-        }
-    }
+    let files = [sweep.to_csv(), json.clone(), sweep.to_text(), chart.clone(), sweep.to_html(&chart)];
+    tell(folder.as_ref(), args.json.then_some(&json), &text, TABLES.into_iter().zip(files))?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
         () if outcomes().all(VariantResult::is_converged) => ExitStatus::Success,

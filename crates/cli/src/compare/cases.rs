@@ -2,7 +2,7 @@
 
 use super::cell::{Cells, Solved};
 use super::errors::{End, TimeErrors};
-use super::{Iterate, MeshChoice, MeshResult, Phases, SolverPath, Trial};
+use super::{Course, Iterate, MeshChoice, MeshResult, Phases, SolverPath, Trial};
 use std::ops::ControlFlow;
 use std::time::Instant;
 use stickslip::body::Model;
@@ -14,8 +14,8 @@ use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer, SolverChoice, Status};
 
 /// Returns the solver of the reference: the linear solver with the least estimated time.
-fn reference_solver(method: impl Into<HistoryMethod>, of_scene: &SolverChoice) -> SolverChoice {
-    SolverChoice { method: method.into(), linear: None, ..*of_scene }
+fn reference_solver(method: HistoryMethod, of_scene: &SolverChoice) -> SolverChoice {
+    SolverChoice { method, linear: None, ..*of_scene }
 }
 
 /// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
@@ -68,11 +68,11 @@ impl Study {
             displacements: model.problem.displacements(),
             contacts: model.problem.contacts(),
             increments: reference.increments,
-            status: reference.status,
-            seconds: reference.seconds.cpu,
+            status: reference.course.status,
+            seconds: reference.course.seconds.cpu,
             end: End::new(&model, &reference.state, reference.work),
             errors: None,
-            estimates: (reference.status == Status::Converged).then_some(estimates),
+            estimates: (reference.course.status == Status::Converged).then_some(estimates),
         };
         Ok(Study { scene, model, built, result })
     }
@@ -85,39 +85,27 @@ impl Study {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
-        let sound = solved.status == Status::Converged && result.status == Status::Converged;
+        let sound = solved.course.status == Status::Converged && result.status == Status::Converged;
         let errors = || TimeErrors::new(&end, &result.end, model.problem.weight().unwrap_or_default());
-        Ok(Trial {
-            path,
-            mesh: mesh.clone(),
-            increments,
-            status: solved.status,
-            converged: solved.converged,
-            iterations: solved.iterations,
-            factorizations: solved.factorizations,
-            seconds: solved.seconds,
-            factor_entries: solved.factor_entries,
-            factor_peak_bytes: solved.factor_peak_bytes,
-            kkt: solved.kkt,
-            errors: sound.then(errors),
-            iterates: solved.iterates,
-        })
+        let course = solved.course;
+        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: sound.then(errors) })
     }
 }
 
 /// Solves the exact path; if it is unknown or ends early, solves this number of increments.
 fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
     let end = scene.time.all().last().copied();
-    let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+    let by = |method: HistoryMethod, increments| {
+        let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+        solve(scene, model, built, reference_solver(method, &scene.solver), increments, Some(last))
+    };
     if has_exact_path(model) {
-        let path =
-            solve(scene, model, built, reference_solver(HistoryMethod::EVENTS, &scene.solver), 1, Some(&mut last))?;
-        if path.status == Status::Converged {
+        let path = by(HistoryMethod::EVENTS, 1)?;
+        if path.course.status == Status::Converged {
             return Ok(Solved { increments: 0, ..path });
         }
-        last.watch = EstimateWatch::new(model);
     }
-    solve(scene, model, built, reference_solver(Method::BN, &scene.solver), increments, Some(&mut last))
+    by(Method::BN.into(), increments)
 }
 
 fn increments_of(number: usize) -> Override {
@@ -130,7 +118,7 @@ fn solve(
     built: [f64; 2],
     solver: SolverChoice,
     increments: usize,
-    last: Option<&mut LastIncrement<'_>>,
+    last: Option<LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
@@ -144,21 +132,20 @@ fn solve(
     let [wall, cpu] = [built[0] + wall, built[1] + cpu];
     let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest };
     let records = &outcome.records;
-    Ok(Solved {
-        increments,
+    let course = Course {
         status: outcome.status,
-        converged: records.iter().filter(|record| record.status == Status::Converged).count(),
-        iterations: records.iter().map(|record| record.iterations).sum(),
-        factorizations: outcome.linear.factorizations,
-        factor_entries: outcome.linear.factor.entries,
-        factor_peak_bytes: outcome.linear.factor.peak_bytes,
-        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-        work: records.iter().map(|record| record.friction_work).sum(),
-        state: outcome.state,
+        converged: outcome.tally.converged,
+        iterations: outcome.tally.iterations,
+        factorizations: linear.factorizations,
         seconds,
+        factor_entries: linear.factor.entries,
+        factor_peak_bytes: linear.factor.peak_bytes,
+        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
         iterates: recorder.iterates,
-        seen: recorder.last.map(|last| last.watch.clone()),
-    })
+    };
+    let work = records.iter().map(|record| record.friction_work).sum();
+    let seen = recorder.last.map(|last| last.watch);
+    Ok(Solved { increments, course, state: outcome.state, work, seen })
 }
 
 impl SolverPath {
@@ -184,23 +171,15 @@ struct LastIncrement<'a> {
     watch: EstimateWatch,
 }
 
-impl LastIncrement<'_> {
-    fn see(&mut self, step: &IncrementView<'_>) {
-        if self.end.is_some_and(|end| step.record.time >= end) {
-            self.watch.see(self.model, step);
-        }
-    }
-}
-
 /// Records the iterations.
-struct Recorder<'a, 'm> {
+struct Recorder<'a> {
     /// The CPU time at the start of the increment, s.
     since: f64,
     iterates: Vec<Iterate>,
-    last: Option<&'a mut LastIncrement<'m>>,
+    last: Option<LastIncrement<'a>>,
 }
 
-impl Observer for Recorder<'_, '_> {
+impl Observer for Recorder<'_> {
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
         let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
         if begun.is_none() {
@@ -221,8 +200,10 @@ impl Observer for Recorder<'_, '_> {
         if let Some(last) = self.iterates.iter_mut().rfind(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
-        if let Some(last) = &mut self.last {
-            last.see(step);
+        if let Some(LastIncrement { model, end, watch }) = &mut self.last
+            && end.is_some_and(|end| step.record.time >= end)
+        {
+            watch.see(model, step);
         }
         ControlFlow::Continue(())
     }

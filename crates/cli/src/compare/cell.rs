@@ -1,12 +1,11 @@
 //! Stored histories of a comparison.
 
-use super::{Iterate, Phases};
+use super::Course;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 use stickslip::run::report::EstimateWatch;
 use stickslip::scene::Provenance;
-use stickslip::solver::history::Status;
 use stickslip::solver::{Checkpoint, ContactProblem, State};
 use stickslip_output::write_file;
 
@@ -66,20 +65,11 @@ impl Cells for CellFolder {
 pub(super) struct Solved {
     /// The requested increments; 0 for the exact path.
     pub increments: usize,
-    pub status: Status,
-    /// The number of increments that converged.
-    pub converged: usize,
-    pub iterations: usize,
-    pub factorizations: usize,
-    pub factor_entries: usize,
-    pub factor_peak_bytes: f64,
-    pub kkt: f64,
+    pub course: Course,
     /// The final state.
     pub state: State,
     /// The total friction work, J.
     pub work: f64,
-    pub seconds: Phases,
-    pub iterates: Vec<Iterate>,
     /// For a reference, the data for its error estimates.
     pub seen: Option<EstimateWatch>,
 }
@@ -97,7 +87,7 @@ impl Solved {
             return Ok(kept);
         }
         let solved = solve()?;
-        cells.keep(name, &Checkpoint::new(solved.converged, 0.0, &solved));
+        cells.keep(name, &Checkpoint::new(solved.course.converged, 0.0, &solved));
         Ok(solved)
     }
 }

@@ -1,8 +1,8 @@
 //! Charts of a comparison: error against time.
 
 use super::{Comparison, MeshChoice, SolverPath, convergence, front};
-use crate::study::curve;
-use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method};
+use crate::study::{curve, distinct};
+use stickslip::solver::history::{HistoryMethod, Method};
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale};
 
 const GREY: [u8; 3] = [195, 195, 195];
@@ -22,8 +22,7 @@ fn forces(comparison: &Comparison) -> Chart {
         [coarsest, .., finest] => vec![&coarsest.mesh, &finest.mesh],
         meshes => meshes.iter().map(|result| &result.mesh).collect(),
     };
-    let mut solvers: Vec<LinearAlgebra> = comparison.paths().into_iter().map(|path| path.linear).collect();
-    solvers.dedup();
+    let solvers = distinct(comparison.paths().into_iter().map(|path| path.linear));
     let panel = |&mesh: &&MeshChoice| {
         let of_path = |path: SolverPath| {
             let runs = comparison.on(mesh).filter(|run| run.path == path);

@@ -1,6 +1,6 @@
 //! The tables of a comparison.
 
-use super::{Comparison, MeshChoice, MeshErrors, MeshResult, MeshSize, SolverPath, TimeErrors, Trial};
+use super::{Comparison, Course, MeshChoice, MeshErrors, MeshResult, MeshSize, SolverPath, TimeErrors, Trial};
 use crate::study::{Record, csv, labelled, record};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -84,17 +84,18 @@ impl Comparison {
         let version =
             |version: &Option<String>| version.iter().map(|version| format!(" {version}")).collect::<String>();
         let mut row = of_run(run);
+        let Course { status, seconds, factor_entries, factor_peak_bytes, kkt, .. } = &run.course;
         row.extend(record(json!({
-            "status": run.status.to_string(),
-            "converged": run.converged,
-            "iterations": run.iterations,
-            "factorizations": run.factorizations,
+            "status": status.to_string(),
+            "converged": run.course.converged,
+            "iterations": run.course.iterations,
+            "factorizations": run.course.factorizations,
         })));
-        row.extend(named("*_seconds", &run.seconds));
+        row.extend(named("*_seconds", seconds));
         row.extend(record(json!({
-            "factor_entries": run.factor_entries,
-            "factor_peak_bytes": run.factor_peak_bytes,
-            "kkt_error": run.kkt,
+            "factor_entries": factor_entries,
+            "factor_peak_bytes": factor_peak_bytes,
+            "kkt_error": kkt,
         })));
         row.extend(named("error_*", &run.errors.unwrap_or(TimeErrors::UNKNOWN)));
         row.extend(record(json!({
@@ -108,8 +109,9 @@ impl Comparison {
 
     /// Returns the iterations of the runs as comma-separated values.
     pub fn iterations_csv(&self) -> String {
-        let of =
-            |run: &Trial| run.iterates.iter().map(|iterate| [of_run(run), record(json!(iterate))].concat()).collect();
+        let of = |run: &Trial| {
+            run.course.iterates.iter().map(|iterate| [of_run(run), record(json!(iterate))].concat()).collect()
+        };
         csv(&self.runs.iter().map(of).collect::<Vec<Vec<_>>>().concat(), number)
     }
 
@@ -160,10 +162,10 @@ impl Comparison {
     /// Formats the runs on `meshes`, and what is known of all meshes, as text.
     pub fn to_text(&self, meshes: &[MeshResult]) -> String {
         let with_remark = |run: &Trial| {
-            let remark = match run.status {
+            let remark = match run.course.status {
                 Status::Converged if self.front(&run.mesh).contains(&run) => "*".to_string(),
                 Status::Converged => String::new(),
-                status => format!("{status} in increment {}", run.converged + 1),
+                status => format!("{status} in increment {}", run.course.converged + 1),
             };
             [self.run(run), vec![("remark".to_string(), remark.into())]].concat()
         };

@@ -1,8 +1,6 @@
 //! The meshes and numbers of increments of a study, from coarse to fine.
 
-use std::fmt;
-
-use stickslip::body::mesh::{Body, HalfPlane, MeshSource, Segment};
+use stickslip::body::mesh::{HalfPlane, MeshSource};
 use stickslip::scene::{Override, Scene};
 
 use super::ConvergeError;
@@ -134,30 +132,19 @@ fn is_halved(mesh: &MeshSource, share: f64) -> bool {
     })
 }
 
-/// The numbers of elements of a mesh, as in the scene: `[80, 40]`.
-pub(super) struct Numbers<'a>(pub &'a MeshSource);
-
-impl fmt::Display for Numbers<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let join = |parts: Vec<String>| parts.join(", ");
-        match self.0 {
-            MeshSource::Block { axes, .. } => {
-                let along = |axis: &Vec<Segment>| {
-                    let counts: Vec<String> = axis.iter().map(|segment| segment.elements.to_string()).collect();
-                    if counts.len() == 1 { counts[0].clone() } else { format!("[{}]", join(counts)) }
-                };
-                write!(f, "[{}]", join(axes.iter().map(along).collect()))
-            }
-            MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
-                write!(f, "{contact_elements} + {outer_elements}, {layers} layers")
-            }
-            MeshSource::File { file, .. } => write!(f, "{}", file.display()),
-            MeshSource::Given(_) => f.write_str("the mesh in memory"),
-            MeshSource::Bodies(bodies) => {
-                let each = bodies.iter().map(|Body { mesh, .. }| Numbers(mesh).to_string()).collect::<Vec<_>>();
-                f.write_str(&each.join(" "))
-            }
+/// Names a mesh by its numbers of elements, as in the scene: `[80, 40]`.
+pub(super) fn name(mesh: &MeshSource) -> String {
+    match mesh {
+        MeshSource::Block { .. } => {
+            let [elements] = &multiplied(mesh, 1.0)[..] else { return String::new() };
+            elements.to_string().trim_start_matches("mesh.elements=").to_string()
         }
+        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
+            format!("{contact_elements} + {outer_elements}, {layers} layers")
+        }
+        MeshSource::File { file, .. } => file.display().to_string(),
+        MeshSource::Given(_) => "the mesh in memory".to_string(),
+        MeshSource::Bodies(bodies) => bodies.iter().map(|body| name(&body.mesh)).collect::<Vec<_>>().join(" "),
     }
 }
 
@@ -177,7 +164,7 @@ mod tests {
         let ladder = Ladder::new(scene, &[], ratio).unwrap();
         [0, 1, 2, 3].map(|level| {
             let scene = scene.with(&ladder.mesh(scene, level)).unwrap();
-            Numbers(&scene.description.mesh).to_string()
+            name(&scene.description.mesh)
         })
     }
 

@@ -116,13 +116,18 @@ impl Errors {
     }
 }
 
-/// An ended study.
+/// The end of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ended {
+pub struct Ended {
+    /// The verdict.
     pub verdict: Verdict,
+    /// The reason why a run or the study ended early; empty otherwise.
     pub reason: String,
+    /// The runs, in order.
     pub steps: Vec<Step>,
+    /// The estimated errors of the last run; `None` for fewer than two runs.
     pub errors: Option<Errors>,
+    /// The predicted time of the next run, s, if it is the reason for the end.
     pub predicted: Option<f64>,
 }
 

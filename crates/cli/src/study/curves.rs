@@ -2,7 +2,8 @@
 
 use stickslip_output::{Curve, Dash, Line, told_apart};
 
-const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
+/// The lines of curves that have no marker.
+pub(crate) const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
 /// Returns curve `k` of many, which has a colour, a marker and a line of its own.
 pub(crate) fn curve(k: usize, label: String, points: Vec<[f64; 2]>) -> Curve {

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
+use super::distinct;
 use crate::compare::CompareError;
 use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
@@ -131,7 +132,6 @@ impl MeshChoice {
 
 /// Returns each of the `choices` once, or an error if one cannot replace `mesh`.
 pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
-    let mut each: Vec<MeshChoice> = Vec::new();
     let sources: Vec<&MeshSource> = match mesh {
         MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
         one => vec![one],
@@ -144,11 +144,10 @@ pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
             MeshSize::Elements(_) if fixed => return Err(CompareError::FixedMesh),
             MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(CompareError::NoMeshFile),
             _ if cells && !blocks => return Err(CompareError::FixedCells),
-            _ if each.contains(choice) => {}
-            _ => each.push(choice.clone()),
+            _ => {}
         }
     }
-    if each.is_empty() { Err(CompareError::NoMesh) } else { Ok(each) }
+    if choices.is_empty() { Err(CompareError::NoMesh) } else { Ok(distinct(choices.to_vec())) }
 }
 
 /// Returns the number of elements in the first direction, or along the contact zone, of the first body. `None` for a

@@ -1,9 +1,8 @@
 //! The result of a variant, read from the report of its run.
 
-use std::fmt;
+use std::collections::BTreeMap;
 
-use serde::Deserializer;
-use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, Visitor};
+use serde_json::value::RawValue;
 use serde_json::{Map, Value, json};
 
 use crate::study::TableQuantity;
@@ -22,58 +21,14 @@ pub struct VariantResult {
     pub told: Value,
 }
 
-/// Reads only these keys of an object: the lists of the increments of a long run take much memory.
-struct Parts<'a>(&'a [&'a str]);
-
-impl<'de> DeserializeSeed<'de> for Parts<'_> {
-    type Value = Map<String, Value>;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-        deserializer.deserialize_map(self)
-    }
-}
-
-impl<'de> Visitor<'de> for Parts<'_> {
-    type Value = Map<String, Value>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut parts = Map::new();
-        while let Some(key) = map.next_key::<String>()? {
-            if self.0.contains(&key.as_str()) {
-                parts.insert(key, map.next_value()?);
-            } else {
-                map.next_value::<IgnoredAny>()?;
-            }
-        }
-        Ok(parts)
-    }
-}
-
 impl VariantResult {
-    /// The keys of a report, or of a printed failure, that every result needs.
-    const KEYS: [&str; 10] = [
-        "status",
-        "scene_text",
-        "reason",
-        "message",
-        "help",
-        "totals",
-        "largest_pressure",
-        "warnings",
-        "boundaries",
-        "estimates",
-    ];
-
     /// Reads a report, or a printed failure, with the values of `quantities`. Returns `None` if the text is neither.
     pub fn read(report: &str, quantities: &[TableQuantity]) -> Option<Self> {
-        let keys: Vec<&str> = quantities.iter().map(TableQuantity::root).chain(Self::KEYS).collect();
-        let mut reader = serde_json::Deserializer::from_str(report);
-        let report = Value::Object(Parts(&keys).deserialize(&mut reader).ok()?);
-        reader.end().ok()?;
+        let mut parts: BTreeMap<String, &RawValue> = serde_json::from_str(report).ok()?;
+        // The lists of the increments of a long run take much memory.
+        let is_long = |key: &String| ["increments", "forces", "reactions"].contains(&key.as_str());
+        parts.retain(|key, _| !is_long(key) || quantities.iter().any(|quantity| quantity.root() == key));
+        let report = serde_json::to_value(parts).ok()?;
         Some(Self::of(report["status"].as_str()?, &report, quantities))
     }
 

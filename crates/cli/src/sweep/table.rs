@@ -10,7 +10,7 @@ use stickslip_output::Table;
 
 use super::outcome::VariantResult;
 use super::variation::Variation;
-use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, labelled, number};
+use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number};
 
 /// All variants of a scene with their results.
 #[derive(Debug, Clone, PartialEq)]
@@ -55,13 +55,7 @@ impl Shown {
     /// Returns all quantities of table and chart, each once.
     pub fn all(&self) -> Vec<TableQuantity> {
         let key_results = || KEY_RESULTS.iter().filter_map(|result| result.key.parse().ok()).collect();
-        let mut all: Vec<TableQuantity> = Vec::new();
-        for quantity in self.table.clone().unwrap_or_else(key_results).into_iter().chain(self.plot.clone()) {
-            if !all.contains(&quantity) {
-                all.push(quantity);
-            }
-        }
-        all
+        distinct(self.table.clone().unwrap_or_else(key_results).into_iter().chain(self.plot.clone()))
     }
 }
 
