@@ -77,11 +77,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
 /// Returns the exchange files of a folder by name, and the number of other files.
 fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let entries = fs::read_dir(folder).map_err(|error| {
-        Failure::Input(miette::miette!(
-            help = "name a folder",
-            "{}: the folder cannot be read: {error}",
-            folder.display()
-        ))
+        Failure::input(format!("{}: the folder cannot be read: {error}", folder.display()), "name a folder")
     })?;
     let mut all: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     all.sort();
@@ -89,7 +85,7 @@ fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let (files, others): (Vec<_>, Vec<_>) = all.into_iter().partition(ours);
     if files.is_empty() {
         let help = "name a folder with files that end with hdf5, h5, hdf or dat";
-        return Err(Failure::Input(miette::miette!(help = help, "{}: it contains no exchange file", folder.display())));
+        return Err(Failure::input(format!("{}: it contains no exchange file", folder.display()), help));
     }
     Ok((files, others.len()))
 }

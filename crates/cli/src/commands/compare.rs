@@ -115,7 +115,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
 fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
     if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
         let help = format!("remove it, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
-        return Err(Failure::Input(miette::miette!(help = help, "--solvers: {absent} is not in this build")));
+        return Err(Failure::input(format!("--solvers: {absent} is not in this build"), help));
     }
     if !given.is_empty() {
         return Ok(given.to_vec());

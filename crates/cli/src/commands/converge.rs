@@ -1,6 +1,5 @@
 //! `stickslip converge`.
 
-use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use crate::converge::{self, ConvergeError, Limits, Plan, Sought, Verdict};
@@ -9,9 +8,8 @@ use clap::Args;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::IterationRecord;
-use stickslip::solver::history::Observer;
 
+use super::run::share;
 use super::study::{StudyFolder, counted, pretty, tell};
 use super::{ExitStatus, Failure, interrupt};
 
@@ -51,11 +49,6 @@ pub(super) struct ConvergeArgs {
     json: bool,
 }
 
-fn share(text: &str) -> Result<f64, String> {
-    let share: Option<f64> = text.parse().ok();
-    share.filter(|share| *share > 0.0 && *share < 1.0).ok_or_else(|| "give a share between 0 and 1".to_string())
-}
-
 fn ratio(text: &str) -> Result<f64, String> {
     let ratio: Option<f64> = text.parse().ok();
     ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
@@ -66,15 +59,6 @@ const FILES: [&str; 3] = ["converge.csv", "converge.json", "converge.svg"];
 
 /// The first columns of every `converge.csv`.
 const COLUMNS: &str = "mesh,elements,increments,";
-
-/// Stops a run when the user asks for it.
-struct OnRequest;
-
-impl Observer for OnRequest {
-    fn iteration(&mut self, _: usize, _: &IterationRecord) -> ControlFlow<()> {
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
 
 /// Exit status 1: the quantity is not known to the asked share.
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
@@ -89,11 +73,14 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     };
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.limits.most_runs, "runs at most");
-    let study = converge::compute(&scene, &plan, &mut progress, &mut OnRequest).map_err(|error| match error {
-        ConvergeError::Run(error) => Failure::from(error),
-        ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
-        of_the_plan => Failure::Input(of_the_plan.into()),
-    })?;
+    let study =
+        converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted).map_err(
+            |error| match error {
+                ConvergeError::Run(error) => Failure::from(error),
+                ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
+                of_the_plan => Failure::Input(of_the_plan.into()),
+            },
+        )?;
     bar.finish_and_clear();
     let json = pretty(&study.told())?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
@@ -112,7 +99,7 @@ fn no_finer_mesh(scene: &Scene) -> Failure {
         "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",
         meshes.join(",")
     );
-    Failure::Input(miette::miette!(help = help, "{error}"))
+    Failure::input(error, help)
 }
 
 /// Returns the command by which Gmsh makes a mesh of half the element size, and both meshes as `--meshes` names them, if

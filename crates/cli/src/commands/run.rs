@@ -4,6 +4,7 @@ mod increments;
 mod resume;
 mod summary;
 
+pub(super) use increments::share;
 pub(super) use summary::print_warnings;
 mod watcher;
 
@@ -207,8 +208,7 @@ pub(super) fn check_companion(scene: &Scene) -> Result<(), Failure> {
     if !scene.solver.method.is_exact_path() {
         return Ok(());
     }
-    let help = "remove --companion";
-    Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to compare with fewer")))
+    Err(Failure::input("the exact path has no increments to compare with fewer", "remove --companion"))
 }
 
 fn open_folder(
@@ -233,12 +233,12 @@ fn seconds(text: &str) -> Result<Duration, String> {
 /// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
 /// input.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
-    let of = |help: &str| miette::miette!(help = help, "{}: results cannot be written: {error}", path.display());
+    let message = format!("{}: results cannot be written: {error}", path.display());
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            Failure::Machine(of("free disk space, and type the command again"))
+            Failure::machine(message, "free disk space, and type the command again")
         }
-        _ => Failure::Input(of("choose a writable folder with --out")),
+        _ => Failure::input(message, "choose a writable folder with --out"),
     }
 }
 
@@ -249,5 +249,5 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
         }
         _ => "what was written before is complete; correct the cause, and continue with --resume",
     };
-    Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+    Failure::machine(format!("{}: results cannot be written: {error}", path.display()), help)
 }

@@ -182,8 +182,7 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     if args.increments.is_some()
         && args.variations.iter().flat_map(Variation::keys).any(|key| ["time", "time.increments"].contains(&key))
     {
-        let help = "remove --increments";
-        return Err(Failure::Input(miette::miette!(help = help, "--increments: the increments are varied")));
+        return Err(Failure::input("--increments: the increments are varied", "remove --increments"));
     }
     let increments = args.increments.map(|number| Override::value("time.increments", i64::from(number)));
     let mut places = Places::default();

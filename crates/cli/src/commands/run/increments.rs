@@ -1,14 +1,12 @@
 //! `stickslip run --increments`.
 
-use super::super::{Failure, interrupt, threads};
+use super::super::interrupt::UntilInterrupted;
+use super::super::{Failure, threads};
 use clap::Args;
-use std::ops::ControlFlow;
 use std::str::FromStr;
 use stickslip::run::increments_for;
 use stickslip::run::report::ChosenIncrements;
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::IterationRecord;
-use stickslip::solver::history::Observer;
 
 /// The default error of the tangential forces.
 const ERROR: f64 = 0.05;
@@ -41,7 +39,8 @@ impl FromStr for Increments {
     }
 }
 
-fn share(text: &str) -> Result<f64, String> {
+/// Parses a share.
+pub(in crate::commands) fn share(text: &str) -> Result<f64, String> {
     let share = text.parse().ok().filter(|share| *share > 0.0 && *share < 1.0);
     share.ok_or_else(|| "not a number between 0 and 1".to_string())
 }
@@ -50,16 +49,16 @@ impl IncrementArgs {
     /// Returns `scene` with the wanted increments, and how they were chosen if they were; on `count` threads.
     pub(super) fn of(&self, scene: Scene, count: usize) -> Result<(Scene, Option<ChosenIncrements>), Failure> {
         let with = |number: i64| scene.with(&[Override::value("time.increments", number)]);
-        let help = "remove it, or give --increments auto";
         if let (Some(_), None | Some(Increments::Number(_))) = (self.to, self.increments) {
-            return Err(Failure::Input(miette::miette!(help = help, "--to is the error for --increments auto")));
+            let cure = "remove it, or give --increments auto";
+            return Err(Failure::input("--to is the error for --increments auto", cure));
         }
         match self.increments {
             None => Ok((scene, None)),
             Some(Increments::Number(number)) => Ok((with(i64::from(number))?, None)),
             Some(Increments::Auto) if scene.solver.method.is_exact_path() => {
                 let help = "give the number of times for output, or remove --increments";
-                Err(Failure::Input(miette::miette!(help = help, "the exact path has no increments to choose")))
+                Err(Failure::input("the exact path has no increments to choose", help))
             }
             Some(Increments::Auto) => {
                 let prepare = |model: &_| threads::share_with_the_blas(model, count);
@@ -79,13 +78,4 @@ pub(super) fn explain(chosen: &ChosenIncrements) -> String {
     };
     let then = if increments > tried { format!("; {increments} for {:.1} %", 100.0 * asked) } else { String::new() };
     format!("auto: {tried} {found}{then}")
-}
-
-/// Observer that stops on Ctrl-C.
-struct UntilInterrupted;
-
-impl Observer for UntilInterrupted {
-    fn iteration(&mut self, _index: usize, _record: &IterationRecord) -> ControlFlow<()> {
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
 }
