@@ -172,8 +172,7 @@ fn round(x: f64) -> String {
 impl Lead {
     fn sentence(&self) -> String {
         let Lead { linear, setting, ratios } = self;
-        let join = |texts: Vec<String>| texts.join(", ");
-        let times = join(ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect());
+        let times: Vec<String> = ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect();
         let ahead: Vec<&MeshChoice> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| &lead.0).collect();
         let verdict = if ahead.len() == ratios.len() {
             "BN is ahead at every size".to_string()
@@ -183,22 +182,23 @@ impl Lead {
             format!("BN is ahead {} only", at(&ahead))
         };
         let meshes = at(&ratios.iter().map(|lead| &lead.0).collect::<Vec<_>>());
-        format!("On {linear}, setting {setting}, IP takes {times} times as long as BN {meshes}: {verdict}.")
+        format!(
+            "On {linear}, setting {setting}, IP takes {} times as long as BN {meshes}: {verdict}.",
+            times.join(", ")
+        )
     }
 }
 
 /// Names meshes: `at n = 10, 20`; `on a.msh, b.msh`.
 fn at(meshes: &[&MeshChoice]) -> String {
-    let names =
-        |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");
-    let elements = |mesh: &MeshChoice| match mesh.size {
+    let number = |mesh: &&MeshChoice| match mesh.size {
         MeshSize::Elements(n) => Some(n.to_string()),
         MeshSize::Own | MeshSize::File(_) => None,
     };
-    if meshes.iter().all(|mesh| elements(mesh).is_some()) {
-        return format!("at n = {}", names(&|mesh| elements(mesh).unwrap_or_default()));
+    match meshes.iter().map(number).collect::<Option<Vec<_>>>() {
+        Some(numbers) => format!("at n = {}", numbers.join(", ")),
+        None => format!("on {}", meshes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
     }
-    format!("on {}", names(&ToString::to_string))
 }
 
 #[cfg(test)]

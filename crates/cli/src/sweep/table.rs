@@ -206,7 +206,11 @@ impl Sweep {
         for kind in self.variants.iter().flat_map(|row| row.outcome.warnings()) {
             *warned.entry(kind).or_default() += 1;
         }
-        notes.extend(warned.iter().map(|(kind, count)| format!("warning      {kind}: {count} of {} variants", self.variants.len())));
+        notes.extend(
+            warned
+                .iter()
+                .map(|(kind, count)| format!("warning      {kind}: {count} of {} variants", self.variants.len())),
+        );
         let reported: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.scene_text.is_some()).collect();
         let is_missing = |quantity: &&TableQuantity| {
             !reported.is_empty() && reported.iter().all(|row| row.outcome.value(quantity).is_null())
