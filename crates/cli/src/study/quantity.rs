@@ -159,8 +159,8 @@ fn parsed(text: &str) -> (String, String) {
 /// Returns the name, the pointer and the kind of a key; otherwise what is below the part of it that exists, and similar keys.
 fn found(text: &str) -> Result<(String, String, Kind), String> {
     let (name, pointer) = parsed(text);
-    if let Some(key) = keys::find(&name) {
-        return Ok((name, pointer, key.kind));
+    if let Some(kind) = keys::kind(&name) {
+        return Ok((name, pointer, kind));
     }
     let mut parents = name.match_indices('.').map(|(at, _)| &name[..at]).rev();
     let parent = parents.find(|part| !keys::children(part).is_empty()).unwrap_or_default();
@@ -181,7 +181,7 @@ fn key(text: &str) -> Result<Source, String> {
         Kind::Number | Kind::Word => return Ok(Source::Key { pointer, name, kind }),
         Kind::Vector => vec![format!("{text}[0]"), format!("{text}[1]"), format!("size:{text}")],
         Kind::Several => {
-            let list = if keys::find(&format!("{name}[]")).is_some() { "[0]" } else { "" };
+            let list = if keys::kind(&format!("{name}[]")).is_some() { "[0]" } else { "" };
             let below = keys::children(&name);
             let values = below.iter().map(|child| format!("{text}{list}.{child}")).collect();
             if below.is_empty() { vec![format!("{text}{list}")] } else { values }
