@@ -270,19 +270,15 @@ pub fn compute(
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let trials = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
+    let mut runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
         tell(format!("{}, {path}, {increments} increments", study.result.mesh));
         study.run(path, increments, cells)
     })?;
-    let each = plan.paths.len() * increments.len();
-    let mut trials = trials.into_iter();
-    let mut studied: Vec<(MeshResult, Vec<Trial>)> =
-        studies.into_iter().map(|study| (study.result, trials.by_ref().take(each).collect())).collect();
+    let mut results: Vec<MeshResult> = studies.into_iter().map(|study| study.result).collect();
     // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
     // counts as the finer one.
-    studied.sort_by_key(|(result, _)| result.displacements);
-    let (mut results, runs): (Vec<MeshResult>, Vec<Vec<Trial>>) = studied.into_iter().unzip();
-    let runs = runs.concat();
+    results.sort_by_key(|result| result.displacements);
+    runs.sort_by_key(|run| results.iter().position(|result| result.mesh == run.mesh));
     if let Some((finest, coarser)) = results.split_last_mut() {
         let interior = coarser.first().map(|coarsest| coarsest.end.tractions.interior());
         for result in coarser {
