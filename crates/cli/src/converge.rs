@@ -17,7 +17,6 @@ use serde::Serialize;
 
 use crate::compare::CompareError;
 use crate::study::MeshSize;
-use steps::Solved;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
@@ -146,7 +145,7 @@ fn solve(
     steps: &[Step],
     progress: &mut dyn FnMut(String),
     observer: &mut dyn Observer,
-) -> Result<(Solved, RunReport), ConvergeError> {
+) -> Result<(Step, RunReport), ConvergeError> {
     let number = ladder.increments(increments);
     let mut overrides = ladder.mesh(own, mesh);
     overrides.push(Override::value("time.increments", number as i64));
@@ -159,7 +158,7 @@ fn solve(
     let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
     let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
     let fineness = elements as f64 * if quadratic { 2.0_f64.powi(dimension as i32) } else { 1.0 };
-    if steps.last().is_some_and(|step| step.mesh < mesh && step.run.fineness >= fineness) {
+    if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
         return Err(ConvergeError::NotFiner { mesh: name, elements });
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
@@ -178,7 +177,8 @@ fn solve(
         return Err(ConvergeError::NoValue { sought: sought.clone(), known: Sought::there(&told) });
     }
     let is_own_mesh = ladder.is_own(mesh, &own.description.mesh);
-    let solved = Solved {
+    let solved = Step {
+        level: mesh,
         mesh: name,
         is_own_mesh,
         is_own: is_own_mesh && number == own.time.increments,

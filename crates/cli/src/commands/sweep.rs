@@ -25,8 +25,14 @@ pub(super) struct SweepArgs {
     /// keys together (time.end,time.increments=[1,10],[2,20]); with several --vary, all combinations are run
     #[arg(long = "vary", value_name = "KEY=VALUES", required = true)]
     variations: Vec<Variation>,
-    #[command(flatten)]
-    shown: ShownArgs,
+    /// Quantities of the table: keys of run.json (friction.friction_work, boundaries[0].force[1]), lengths of vectors
+    /// (size:largest_force.force), and columns of forces.csv over the increments (max:top.f_x, min:bottom.f_y,
+    /// last:load:top.u_x) [default: the key results]
+    #[arg(long, value_name = "QUANTITY,...")]
+    table: Option<String>,
+    /// Quantity of the chart, as in --table [default: the largest pressure]
+    #[arg(long, value_name = "QUANTITY")]
+    plot: Option<TableQuantity>,
     /// Number of increments of all variants, replaces time.increments
     #[arg(long, value_name = "N", value_parser = increments)]
     increments: Option<u32>,
@@ -56,30 +62,15 @@ fn increments(text: &str) -> Result<u32, String> {
     }
 }
 
-/// Options for what is shown of each variant.
-#[derive(Args)]
-struct ShownArgs {
-    /// Quantities of the table: keys of run.json (friction.friction_work, boundaries[0].force[1]), lengths of vectors
-    /// (size:largest_force.force), and columns of forces.csv over the increments (max:top.f_x, min:bottom.f_y,
-    /// last:load:top.u_x) [default: the key results]
-    #[arg(long, value_name = "QUANTITY,...")]
-    table: Option<String>,
-    /// Quantity of the chart, as in --table [default: the largest pressure]
-    #[arg(long, value_name = "QUANTITY")]
-    plot: Option<TableQuantity>,
-}
-
-impl ShownArgs {
-    /// Returns the quantities, checked against the places of the scenes.
-    fn of(&self, places: &Places) -> Result<Shown, Failure> {
-        let all = |text: &String| quantities(text)?.iter().map(|quantity| quantity.at(places, false)).collect();
-        let refused = |option: &str, error: String| Failure::Input(miette::miette!("--{option}: {error}"));
-        let plot = self.plot.as_ref().map(|quantity| quantity.at(places, true));
-        Ok(Shown {
-            table: self.table.as_ref().map(all).transpose().map_err(|error| refused("table", error))?,
-            plot: plot.transpose().map_err(|error| refused("plot", error))?,
-        })
-    }
+/// Returns the quantities of table and chart, checked against the places of the scenes.
+fn shown(args: &SweepArgs, places: &Places) -> Result<Shown, Failure> {
+    let all = |text: &String| quantities(text)?.iter().map(|quantity| quantity.at(places, false)).collect();
+    let refused = |option: &str, error: String| Failure::Input(miette::miette!("--{option}: {error}"));
+    let plot = args.plot.as_ref().map(|quantity| quantity.at(places, true));
+    Ok(Shown {
+        table: args.table.as_ref().map(all).transpose().map_err(|error| refused("table", error))?,
+        plot: plot.transpose().map_err(|error| refused("plot", error))?,
+    })
 }
 
 /// A variant to run.
@@ -112,7 +103,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     interrupt::listen();
     let first = args.scene.read()?;
     let (tasks, places) = tasks(args)?;
-    let shown = args.shown.of(&places)?;
+    let shown = shown(args, &places)?;
     let passing = || std::env::temp_dir().join(format!("stickslip-sweep-{}", std::process::id()));
     let folder = StudyFolder::open(args.out.as_deref(), &TABLES, COLUMNS)?;
     let path = args.out.as_ref().map_or_else(passing, |out| out.join("variants"));

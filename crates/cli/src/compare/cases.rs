@@ -13,11 +13,6 @@ use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer, SolverChoice, Status};
 
-/// Returns the solver of the reference: the linear solver with the least estimated time.
-fn reference_solver(method: HistoryMethod, of_scene: &SolverChoice) -> SolverChoice {
-    SolverChoice { method, linear: None, ..*of_scene }
-}
-
 /// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
 /// only if nodes slide along lines and friction is constant. It applies the actions at t = 0 in proportion, while the
 /// first increment, however short, applies them at once.
@@ -97,7 +92,8 @@ fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: us
     let end = scene.time.all().last().copied();
     let by = |method: HistoryMethod, increments| {
         let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
-        solve(scene, model, built, reference_solver(method, &scene.solver), increments, Some(last))
+        // With the linear solver of the least estimated time.
+        solve(scene, model, built, SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
     };
     if has_exact_path(model) {
         let path = by(HistoryMethod::EVENTS, 1)?;

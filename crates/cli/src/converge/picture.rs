@@ -15,13 +15,13 @@ impl Convergence {
         let value = |x: f64| units.of_si(quantity, x);
         let finest = self.ended.steps.iter().map(size).fold(f64::INFINITY, f64::min);
         let coarsest = self.ended.steps.iter().map(size).fold(0.0, f64::max);
-        let mut levels: Vec<usize> = self.ended.steps.iter().map(|step| step.run.increments).collect();
+        let mut levels: Vec<usize> = self.ended.steps.iter().map(|step| step.increments).collect();
         levels.sort_unstable();
         levels.dedup();
         let follows_path = levels.len() > 1;
         let of_level = |(k, increments): (usize, usize)| {
-            let of_level = self.ended.steps.iter().filter(|step| step.run.increments == increments);
-            let points = of_level.filter_map(|step| Some([size(step) / finest, value(step.run.value?)])).collect();
+            let of_level = self.ended.steps.iter().filter(|step| step.increments == increments);
+            let points = of_level.filter_map(|step| Some([size(step) / finest, value(step.value?)])).collect();
             curve(k, if follows_path { format!("{increments} increments") } else { "runs".to_string() }, points)
         };
         let mut curves: Vec<Curve> = levels.into_iter().enumerate().map(of_level).collect();
@@ -50,5 +50,5 @@ impl Convergence {
 }
 
 fn size(step: &Step) -> f64 {
-    (step.run.elements as f64).powf(-1.0 / step.run.dimension.max(1) as f64)
+    (step.elements as f64).powf(-1.0 / step.dimension.max(1) as f64)
 }

@@ -34,9 +34,11 @@ pub struct Limits {
     pub within: f64,
 }
 
-/// A solved run.
+/// A run of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Solved {
+pub struct Step {
+    /// The level of the mesh.
+    pub level: usize,
     /// The name of the mesh.
     pub mesh: String,
     /// `true` if the mesh is the scene's own.
@@ -65,15 +67,6 @@ pub(super) struct Solved {
     pub failure: Option<String>,
     /// Wall time, s.
     pub seconds: f64,
-}
-
-/// A run of a study.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Step {
-    /// The run.
-    pub(super) run: Solved,
-    /// The level of the mesh.
-    pub(super) mesh: usize,
 }
 
 /// The errors of the last run of a study.
@@ -153,20 +146,16 @@ pub(super) struct Series {
 /// one on, without a value, or with `resolved` at the first one with too few nodes across.
 pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
     let mut series = Series::default();
-    let usable = |step: &Step| step.run.value.filter(|_| !resolved || step.run.is_resolved);
+    let usable = |step: &Step| step.value.filter(|_| !resolved || step.is_resolved);
     let Some(last) = steps.len().checked_sub(1) else { return series };
     let Some(mut value) = usable(&steps[last]) else { return series };
     let size = |step: &Step| {
-        if of_mesh {
-            step.run.fineness.powf(-1.0 / step.run.dimension.max(1) as f64)
-        } else {
-            1.0 / step.run.increments as f64
-        }
+        if of_mesh { step.fineness.powf(-1.0 / step.dimension.max(1) as f64) } else { 1.0 / step.increments as f64 }
     };
     let mut points = vec![(size(&steps[last]), value, last)];
     for (k, pair) in steps.windows(2).enumerate().rev() {
         let (Some(before), Some(after)) = (usable(&pair[0]), usable(&pair[1])) else { break };
-        if (pair[0].mesh == pair[1].mesh) == of_mesh {
+        if (pair[0].level == pair[1].level) == of_mesh {
             // The step before refined the other kind: it is an earlier run of the same level.
             points.last_mut().into_iter().for_each(|(_, _, step)| *step = k);
             continue;
@@ -187,7 +176,7 @@ pub(super) fn refine(
     ladder: &Ladder,
     limits: Limits,
     may_be_singular: bool,
-    solve: &mut dyn FnMut(&[Step], usize, usize) -> Result<Solved, ConvergeError>,
+    solve: &mut dyn FnMut(&[Step], usize, usize) -> Result<Step, ConvergeError>,
 ) -> Result<Ended, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
@@ -195,18 +184,18 @@ pub(super) fn refine(
     let mut predicted = None;
     let (verdict, reason) = loop {
         match solve(&steps, mesh, increments) {
-            Ok(run) => steps.push(Step { run, mesh }),
+            Ok(step) => steps.push(step),
             Err(ConvergeError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
             Err(error) => return Err(error),
         }
-        if let Some(reason) = steps.last().and_then(|step| step.run.failure.clone()) {
+        if let Some(reason) = steps.last().and_then(|step| step.failure.clone()) {
             break (Verdict::NotConverged, reason);
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
-            let doubt = steps.last().and_then(|step| step.run.doubt);
+            let doubt = steps.last().and_then(|step| step.doubt);
             break (doubt.unwrap_or(Verdict::Known), String::new());
         }
         if may_be_singular && grows(&steps) {
@@ -238,7 +227,7 @@ pub(super) fn refine(
 
 /// Returns the errors of the last run; `None` without a value.
 fn errors(steps: &[Step]) -> Option<Errors> {
-    let last = &steps.last()?.run;
+    let last = steps.last()?;
     let value = last.value?;
     let of = |of_mesh: bool, resolved: bool| {
         let Series { sizes, values, .. } = series(steps, of_mesh, resolved);
@@ -250,7 +239,7 @@ fn errors(steps: &[Step]) -> Option<Errors> {
 
 fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
     let Some(total) = errors.and_then(Errors::total) else { return false };
-    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let enough = series(steps, true, true).values.len() >= MESHES
         && (!follows_path || errors.is_some_and(|errors| errors.increments.is_some()));
     enough && total <= to
@@ -266,7 +255,7 @@ fn grows(steps: &[Step]) -> bool {
     if n >= GROWING && is_singular(&sizes, &values) && is_singular(&sizes[..n - 1], &values[..n - 1]) {
         return true;
     }
-    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].run.doubt == Some(Verdict::Singular));
+    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].doubt == Some(Verdict::Singular));
     flagged
         && values[n - 1] > values[n - 2]
         && limit(&sizes, &values).is_some_and(|limit| {
@@ -279,7 +268,7 @@ fn grows(steps: &[Step]) -> bool {
 fn is_erratic(steps: &[Step]) -> bool {
     let Series { values, steps: at, .. } = series(steps, true, false);
     let n = values.len();
-    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].run.is_resolved).count() < 2 {
+    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].is_resolved).count() < 2 {
         return false;
     }
     let changes: Vec<f64> = values[n - GROWING - 1..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
@@ -289,7 +278,7 @@ fn is_erratic(steps: &[Step]) -> bool {
 
 /// Returns what to refine: first both until each has an error, then the one with the larger error.
 fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
-    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let number = |of_mesh, resolved| series(steps, of_mesh, resolved).values.len();
     let (meshes, increments) = (number(true, true), number(false, false));
     if !follows_path || meshes < 2 {
@@ -308,12 +297,12 @@ fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
 /// Returns the expected time of the next run, s, from the last ones. `growth` is the factor of the elements along an
 /// axis; without it a finer mesh has no prediction.
 fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
-    let last = &steps.last()?.run;
+    let last = steps.last()?;
     if next == Refined::Increments {
         return Some(2.0 * last.seconds);
     }
-    let cost = |run: &Solved| run.seconds / run.increments as f64;
-    let before = steps.iter().rev().map(|step| &step.run).find(|run| run.fineness < last.fineness);
+    let cost = |run: &Step| run.seconds / run.increments as f64;
+    let before = steps.iter().rev().find(|run| run.fineness < last.fineness);
     let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.fineness / run.fineness).ln());
     let [least, usual, most] = GROWTH_OF_TIME;
     let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
@@ -328,14 +317,15 @@ mod tests {
     use stickslip::scene::Scene;
 
     /// Refines a manufactured value of the element size h and the length of increments k, both halved each time.
-    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Solved, f64)) -> Ended {
+    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> Ended {
         let text = include_str!("../../../../data/scenes/block.toml");
         let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
         let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();
         let limits = Limits { to, most_runs: 12, within: 1e9 };
         refine(&ladder, limits, true, &mut |_, mesh, level| {
             let [h, k] = [mesh, level].map(|level| 0.5_f64.powi(level as i32));
-            let mut run = Solved {
+            let mut run = Step {
+                level: mesh,
                 elements: 4 << (2 * mesh),
                 fineness: 4.0 / (h * h),
                 dimension: 2,
@@ -344,7 +334,7 @@ mod tests {
                 is_resolved: true,
                 follows_path: true,
                 seconds: 1.0,
-                ..Solved::default()
+                ..Step::default()
             };
             more(&mut run, h);
             Ok(run)
@@ -372,7 +362,7 @@ mod tests {
     #[test]
     fn without_a_path_only_the_mesh_is_refined() {
         let ended = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);
-        let increments: Vec<usize> = ended.steps.iter().map(|step| step.run.increments).collect();
+        let increments: Vec<usize> = ended.steps.iter().map(|step| step.increments).collect();
         assert_eq!((ended.verdict, increments), (Verdict::Known, vec![4; 3]));
         assert_eq!(ended.errors.unwrap().increments, None);
     }
@@ -383,12 +373,12 @@ mod tests {
         for (seen, meshes) in [(false, 4), (true, 3)] {
             let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.doubt = seen.then_some(Verdict::Singular));
             assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
-            assert_eq!(ended.steps.last().unwrap().mesh + 1, meshes);
+            assert_eq!(ended.steps.last().unwrap().level + 1, meshes);
         }
         // Elements of second order: up and down.
         let erratic = |h: f64, _: f64| if (1.0 / h).log2() as i32 % 2 == 0 { 370.0 } else { 3250.0 } / h.sqrt();
         let ended = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
-        assert_eq!((ended.verdict, ended.steps.last().unwrap().mesh), (Verdict::Singular, 4));
+        assert_eq!((ended.verdict, ended.steps.last().unwrap().level), (Verdict::Singular, 4));
         // A contact of one node on all meshes.
         let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
         assert_eq!(narrow.verdict, Verdict::RunLimit);

@@ -20,7 +20,7 @@ impl Convergence {
         let quantity = self.sought.of.quantity();
         let head = labelled(&self.sought.to_string(), &units.name(quantity));
         let mut table = Table::new(&["mesh", "elements", "inc", &head, "change", "s", ""]);
-        for (k, Step { run, .. }) in self.ended.steps.iter().enumerate() {
+        for (k, run) in self.ended.steps.iter().enumerate() {
             let number = |x: f64| units.rounded(Quantity::Number, units.of_si(quantity, x), DIGITS);
             let remark = match (run.value, run.is_resolved) {
                 (None, _) | (_, false) => "too coarse to count",
@@ -48,7 +48,7 @@ impl Convergence {
     /// Returns the runs in the units of the scene, with this name of the value.
     fn runs(&self, value: &str) -> Vec<Value> {
         let of_si = |x: f64| self.last.units.of_si(self.sought.of.quantity(), x);
-        let run = |(k, Step { run, .. }): (usize, &Step)| {
+        let run = |(k, run): (usize, &Step)| {
             json!({
                 "mesh": run.mesh,
                 "elements": run.elements,
@@ -138,7 +138,7 @@ impl Convergence {
     /// Returns the verdict in one sentence.
     pub fn outcome(&self) -> String {
         let units = &self.last.units;
-        let Some(last) = self.ended.steps.last().map(|step| &step.run) else { return String::new() };
+        let Some(last) = self.ended.steps.last() else { return String::new() };
         let sought = &self.sought;
         let increments =
             if last.increments == 1 { "1 increment".into() } else { format!("{} increments", last.increments) };
@@ -208,13 +208,12 @@ impl Convergence {
         let trusted = self.has_limit() && self.ended.verdict != Verdict::Warned;
         let limit = self.ended.errors.as_ref().filter(|_| trusted)?.mesh?;
         let series = series(&self.ended.steps, true, false);
-        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.ended.steps[**k].run.is_own_mesh)?;
+        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.ended.steps[**k].is_own_mesh)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
         // Without a limit the value of the last mesh is the extrapolated one, which says nothing of its error.
         let is_estimated = matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant)
             || Some(found.0) != series.steps.last();
-        Some((self.ended.steps[*found.0].run.mesh.clone(), error))
-            .filter(|(_, error)| error.is_finite() && is_estimated)
+        Some((self.ended.steps[*found.0].mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
     }
 
     /// Returns the units for text and pictures: in SI, MPa for pressures.
@@ -225,7 +224,7 @@ impl Convergence {
     /// Returns the change of the value by run `k`, as a share.
     fn change(&self, k: usize) -> Option<f64> {
         let [before, after] =
-            [self.ended.steps.get(k.checked_sub(1)?)?, self.ended.steps.get(k)?].map(|step| step.run.value);
+            [self.ended.steps.get(k.checked_sub(1)?)?, self.ended.steps.get(k)?].map(|step| step.value);
         Some(after? / before? - 1.0).filter(|change| change.is_finite())
     }
 }
