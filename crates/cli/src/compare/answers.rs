@@ -193,7 +193,7 @@ impl Lead {
 fn at(meshes: &[&MeshChoice]) -> String {
     let number = |mesh: &&MeshChoice| match mesh.size {
         MeshSize::Elements(n) => Some(n.to_string()),
-        MeshSize::Own | MeshSize::File(_) => None,
+        _ => None,
     };
     match meshes.iter().map(number).collect::<Option<Vec<_>>>() {
         Some(numbers) => format!("at n = {}", numbers.join(", ")),

@@ -13,7 +13,7 @@ use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::scene::Override;
 
 /// A mesh of a comparison.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeshChoice {
     /// Its origin and refinement.
     pub size: MeshSize,
@@ -22,12 +22,14 @@ pub struct MeshChoice {
 }
 
 /// The refinement of a mesh.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MeshSize {
     /// The mesh of the scene.
     Own,
     /// A number of elements in the first direction. The other numbers follow in the proportions of the scene.
     Elements(usize),
+    /// All numbers of elements of the scene times a factor.
+    Times(f64),
     /// Another mesh file of the same format, named as in the scene.
     File(String),
 }
@@ -53,6 +55,7 @@ impl fmt::Display for MeshChoice {
         match &self.size {
             MeshSize::Own => f.write_str("the scene's mesh"),
             MeshSize::Elements(n) => write!(f, "n = {n}"),
+            MeshSize::Times(factor) => write!(f, "{factor} times the elements"),
             MeshSize::File(file) => f.write_str(file),
         }
     }
@@ -117,7 +120,8 @@ impl MeshChoice {
             |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
         let mut overrides = match &self.size {
             MeshSize::Own => Vec::new(),
-            MeshSize::Elements(n) => refined(mesh, *n),
+            MeshSize::Elements(n) => multiplied(mesh, *n as f64 / first_elements(mesh).unwrap_or(*n) as f64),
+            MeshSize::Times(factor) => multiplied(mesh, *factor),
             MeshSize::File(file) => vec![Override::value("mesh.file", file.as_str())],
         };
         if let Some(ElementChoice { cells, element }) = self.elements {
@@ -141,7 +145,7 @@ pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
         match &choice.size {
-            MeshSize::Elements(_) if fixed => return Err(CompareError::FixedMesh),
+            MeshSize::Elements(_) | MeshSize::Times(_) if fixed => return Err(CompareError::FixedMesh),
             MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(CompareError::NoMeshFile),
             _ if cells && !blocks => return Err(CompareError::FixedCells),
             _ => {}
@@ -159,12 +163,6 @@ pub(crate) fn first_elements(mesh: &MeshSource) -> Option<usize> {
         MeshSource::File { .. } | MeshSource::Given(_) => None,
         MeshSource::Bodies(bodies) => first_elements(&bodies.first()?.mesh),
     }
-}
-
-/// Returns the overrides that give the mesh `first` elements in the first direction, and the other numbers in
-/// proportion.
-fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
-    multiplied(mesh, first as f64 / first_elements(mesh).unwrap_or(first) as f64)
 }
 
 /// Returns the overrides that multiply all numbers of elements of the mesh by `share`.
