@@ -6,7 +6,6 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use stickslip::base::Quantity;
 use stickslip::run::report::Estimates;
-use stickslip::solver::history::Status;
 use stickslip_output::Table;
 
 /// Formats the numbers of the files.
@@ -46,6 +45,7 @@ fn of_run(run: &Trial) -> Record {
 fn cell(key: &str, value: &Value, tolerance: f64) -> String {
     match (value, value.as_f64()) {
         (Value::Null, _) => "-".to_string(),
+        (Value::Bool(is_in_front), _) => if *is_in_front { "*" } else { "" }.to_string(),
         (Value::Number(number), Some(x)) if number.is_f64() => match key {
             _ if key.ends_with("seconds") => format!("{x:.3}"),
             _ if !key.contains("error_") && !key.contains("estimated_") => format!("{x:.6e}"),
@@ -58,19 +58,18 @@ fn cell(key: &str, value: &Value, tolerance: f64) -> String {
 }
 
 /// The columns of the text table of runs: heads and keys.
-const OF_RUNS: [(&str, &str); 12] = [
+const OF_RUNS: [(&str, &str); 11] = [
     ("method", "method"),
     ("setting", "setting"),
     ("solver", "solver"),
     ("inc", "increments"),
+    ("verdict", "status"),
+    ("done", "converged"),
     ("iter", "iterations"),
-    ("fact", "factorizations"),
     ("CPU, s", "cpu_seconds"),
-    ("p_n", "error_p_n"),
-    ("p_t", "error_p_t"),
     ("forces", "error_forces"),
     ("work", "error_work"),
-    ("", "remark"),
+    ("", "front"),
 ];
 
 impl Comparison {
@@ -161,14 +160,6 @@ impl Comparison {
 
     /// Formats the runs on `meshes`, and what is known of all meshes, as text.
     pub fn to_text(&self, meshes: &[MeshResult]) -> String {
-        let with_remark = |run: &Trial| {
-            let remark = match run.course.status {
-                Status::Converged if self.front(&run.mesh).contains(&run) => "*".to_string(),
-                Status::Converged => String::new(),
-                status => format!("{status} in increment {}", run.course.converged + 1),
-            };
-            [self.run(run), vec![("remark".to_string(), remark.into())]].concat()
-        };
         let of_runs = |result: &MeshResult| {
             let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
             let reference = match increments {
@@ -178,7 +169,7 @@ impl Comparison {
             format!(
                 "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {reference}, {status}, \
                  {seconds:.2} s\n{}\n",
-                self.table(&OF_RUNS, self.on(mesh).map(with_remark))
+                self.table(&OF_RUNS, self.on(mesh).map(|run| self.run(run)))
             )
         };
         let names = if self.elements() == [None] {
