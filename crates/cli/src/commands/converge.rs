@@ -17,8 +17,8 @@ use super::{ExitStatus, Failure, interrupt};
 pub(super) struct ConvergeArgs {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any number as in
-    /// sweep --table
+    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
+    /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
     sought: Sought,
     /// The share to which it is to be known, e.g. 0.02 for 2 %

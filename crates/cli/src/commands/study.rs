@@ -42,7 +42,8 @@ impl<'a> StudyFolder<'a> {
     }
 }
 
-/// Prints the results of a study, as `data` alone or else as text, and writes the files, names and contents, if it has a folder.
+/// Prints the results of a study, as `data` alone or else as text, and writes its files, names and contents, if it has a
+/// folder.
 pub(super) fn tell<N: AsRef<str>>(
     folder: Option<&StudyFolder<'_>>,
     data: Option<&str>,

@@ -31,7 +31,7 @@ pub struct TractionNode {
 pub struct Tractions {
     /// The contact nodes, n_c.
     pub nodes: Vec<TractionNode>,
-    /// The facets between the nodes: segments (two nodes) or triangles (three nodes), into which other facets are divided.
+    /// The facets between the nodes: segments (two nodes) or triangles (three nodes), into which others are divided.
     pub pieces: Vec<Vec<usize>>,
 }
 

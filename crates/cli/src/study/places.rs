@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 
 use stickslip::body::{Against, Contact, Description};
 
-/// The kinds of forces, as in the column `kind`. The forces of contacts are in `forces[]` of a report, those of another kind in the list
-/// of `reactions[]` that is its plural.
+/// The kinds of forces, as in the column `kind`. The forces of contacts are in `forces[]` of a report, those of another
+/// kind in the list of `reactions[]` that is its plural.
 pub(super) const KINDS: [&str; 6] = ["contact", "support", "spring", "load", "coupling", "pretension"];
 
 /// The places of the scenes of a study, with the kinds of forces that act there.

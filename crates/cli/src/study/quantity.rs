@@ -122,8 +122,8 @@ impl FromStr for TableQuantity {
                 None => {
                     let similar = nearest(name, FUNCTIONS.into_iter()).into_iter().map(|name| format!("{name}:{rest}"));
                     return Err(format!(
-                        "`{name}` is no function of a quantity; the functions are max:, min: and last: of PLACE.COLUMN, and \
-                         size: of a vector{}",
+                        "`{name}` is no function of a quantity; the functions are max:, min: and last: of PLACE.COLUMN, \
+                         and size: of a vector{}",
                         meant(&similar.collect::<Vec<_>>())
                     ));
                 }
@@ -156,7 +156,8 @@ fn parsed(text: &str) -> (String, String) {
     (name.join("."), pointer.join("/"))
 }
 
-/// Returns the name, the pointer and the kind of a key; otherwise what is below the part of it that exists, and similar keys.
+/// Returns the name, the pointer and the kind of a key; otherwise what is below the part of it that exists, and similar
+/// keys.
 fn found(text: &str) -> Result<(String, String, Kind), String> {
     let (name, pointer) = parsed(text);
     if let Some(kind) = keys::kind(&name) {

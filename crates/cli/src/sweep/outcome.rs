@@ -16,8 +16,8 @@ pub struct VariantResult {
     pub scene_text: Option<String>,
     /// `true` if a second run estimated the time-step error.
     pub has_companion: bool,
-    /// What is told of it, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`, `largest_pressure`, `warnings`,
-    /// `boundaries`, and the `quantities` of table and chart, as far as the run has them.
+    /// What is told of it, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
+    /// `largest_pressure`, `warnings`, `boundaries`, and the `quantities` of table and chart, as far as the run has them.
     pub told: Value,
 }
 

@@ -91,8 +91,8 @@ impl Processes<'_> {
         }
     }
 
-    /// Runs a variant in a process of its own, and keeps its results if they are final and `same` is true afterwards: the scene is still
-    /// the one of the task. Returns `None` if the user stops the sweep.
+    /// Runs a variant in a process of its own, and keeps its results if they are final and the scene is then the `same`
+    /// as that of the task. Returns `None` if the user stops the sweep.
     pub(super) fn run(&self, task: &Task, same: impl FnOnce() -> bool) -> io::Result<Option<VariantResult>> {
         if interrupt::requested() {
             return Ok(None);
