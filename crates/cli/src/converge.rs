@@ -69,6 +69,8 @@ pub struct Convergence {
     pub sought: Sought,
     /// The share to which it was to be known.
     pub to: f64,
+    /// The number of increments of the scene.
+    pub own_increments: usize,
     /// How it ended.
     pub ended: Ended,
     /// The report of the last run.
@@ -101,7 +103,7 @@ pub enum ConvergeError {
     #[diagnostic(help("{}", if known.is_empty() { "nothing touches: correct the scene".to_string() } else { format!("ask for {}", known.join(", ")) }))]
     NoValue {
         /// The quantity.
-        sought: Sought,
+        sought: String,
         /// The quantities that the scene has.
         known: Vec<&'static str>,
     },
@@ -134,7 +136,7 @@ pub fn compute(
         Ok(run)
     })?;
     let last = last.ok_or(ConvergeError::NoFinerMesh)?;
-    Ok(Convergence { sought, to: plan.limits.to, ended, last })
+    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, ended, last })
 }
 
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
@@ -174,14 +176,12 @@ fn solve(
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
-        return Err(ConvergeError::NoValue { sought: sought.clone(), known: Sought::there(&told) });
+        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&told) });
     }
-    let is_own_mesh = ladder.is_own(mesh, &own.description.mesh);
     let solved = Step {
         level: mesh,
         mesh: name,
-        is_own_mesh,
-        is_own: is_own_mesh && number == own.time.increments,
+        is_own_mesh: ladder.is_own(mesh, &own.description.mesh),
         elements,
         fineness,
         dimension,

@@ -96,9 +96,9 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     })?;
     bar.finish_and_clear();
 
-    let answers: String = comparison.answers().iter().map(|answer| format!("{answer}\n")).collect();
+    let answers = comparison.answers().join("\n");
     let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
-    let text = format!("{}\n\n{answers}\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
+    let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
     let runs = comparison.runs_csv();
     tell(folder.as_ref(), args.csv.then_some(&runs), &text, files(&comparison, invocation)?)?;
     if let (Some(folder), Some(cells)) = (&folder, &kept) {

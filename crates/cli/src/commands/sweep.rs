@@ -129,15 +129,14 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     }
     let bar = bar(tasks.len() - done, "variants");
     let row = |(task, kept): &(&Task, Option<VariantResult>)| {
-        let outcome = match kept {
-            Some(kept) => Some(kept.clone()),
-            None => {
-                // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
-                let same = || one(args, &task.overrides).is_ok_and(|(now, _, _)| now == task.fingerprint);
-                let outcome = processes.run(task, same)?;
-                bar.inc(1);
-                outcome
-            }
+        let outcome = if let Some(kept) = kept {
+            Some(kept.clone())
+        } else {
+            // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
+            let same = || one(args, &task.overrides).is_ok_and(|(now, _, _)| now == task.fingerprint);
+            let outcome = processes.run(task, same)?;
+            bar.inc(1);
+            outcome
         };
         let stays = outcome.is_some() && !results.passes && results.path.join(&task.fingerprint).is_dir();
         Ok(Row {

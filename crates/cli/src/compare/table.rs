@@ -80,8 +80,7 @@ impl Comparison {
 
     fn run(&self, run: &Trial) -> Record {
         let blas = self.blas.as_ref();
-        let version =
-            |version: &Option<String>| version.iter().map(|version| format!(" {version}")).collect::<String>();
+        let names = blas.map(|blas| [Some(blas.library), blas.version.as_deref()]);
         let mut row = of_run(run);
         let Course { status, seconds, factor_entries, factor_peak_bytes, kkt, .. } = &run.course;
         row.extend(record(json!({
@@ -99,7 +98,7 @@ impl Comparison {
         row.extend(named("error_*", &run.errors.unwrap_or(TimeErrors::UNKNOWN)));
         row.extend(record(json!({
             "front": self.front(&run.mesh).contains(&run),
-            "blas": blas.map(|blas| format!("{}{}", blas.library, version(&blas.version))),
+            "blas": names.map(|names| names.into_iter().flatten().collect::<Vec<_>>().join(" ")),
             "blas_kernel": blas.and_then(|blas| blas.kernel.as_ref()),
             "blas_threads": blas.and_then(|blas| blas.threads),
         })));

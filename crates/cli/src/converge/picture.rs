@@ -42,7 +42,7 @@ impl Convergence {
             title: self.last.title.clone(),
             subtitle: self.in_short(),
             x: Axis { label: "element size, relative to the finest mesh".into(), scale: Scale::Linear },
-            y: Axis { label: labelled(&self.sought.to_string(), &units.name(quantity)), scale: Scale::Linear },
+            y: Axis { label: labelled(&self.sought.to_string(), &self.sought.of.unit(&units)), scale: Scale::Linear },
             columns: 1,
             panels: vec![Panel { curves, ..Panel::default() }],
         }

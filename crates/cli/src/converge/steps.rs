@@ -43,8 +43,6 @@ pub struct Step {
     pub mesh: String,
     /// `true` if the mesh is the scene's own.
     pub is_own_mesh: bool,
-    /// `true` if the mesh and the increments are the scene's own.
-    pub is_own: bool,
     /// The number of elements.
     pub elements: usize,
     /// The number of elements, where one of second order counts as those of first order with its nodes.
@@ -171,12 +169,15 @@ pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
     series
 }
 
+/// Solves, after the steps so far, with these levels of mesh and increments.
+type Solve<'a> = dyn FnMut(&[Step], usize, usize) -> Result<Step, ConvergeError> + 'a;
+
 /// Refines until the value is known, calling `solve` with the steps so far and the levels of mesh and increments.
 pub(super) fn refine(
     ladder: &Ladder,
     limits: Limits,
     may_be_singular: bool,
-    solve: &mut dyn FnMut(&[Step], usize, usize) -> Result<Step, ConvergeError>,
+    solve: &mut Solve<'_>,
 ) -> Result<Ended, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);

@@ -18,13 +18,13 @@ impl Convergence {
     pub fn table(&self) -> Table {
         let units = self.units_for_people();
         let quantity = self.sought.of.quantity();
-        let head = labelled(&self.sought.to_string(), &units.name(quantity));
+        let head = labelled(&self.sought.to_string(), &self.sought.of.unit(&units));
         let mut table = Table::new(&["mesh", "elements", "inc", &head, "change", "s", ""]);
         for (k, run) in self.ended.steps.iter().enumerate() {
             let number = |x: f64| units.rounded(Quantity::Number, units.of_si(quantity, x), DIGITS);
             let remark = match (run.value, run.is_resolved) {
                 (None, _) | (_, false) => "too coarse to count",
-                _ if run.is_own => "the scene's own",
+                _ if run.is_own_mesh && run.increments == self.own_increments => "the scene's own",
                 _ => "",
             };
             table.push(vec![
@@ -79,7 +79,7 @@ impl Convergence {
             "title": self.last.title,
             "scene": self.last.scene,
             "quantity": self.sought.word,
-            "unit": units.name(quantity),
+            "unit": self.sought.of.unit(units),
             "to": self.to,
             "verdict": self.ended.verdict,
             "message": self.outcome(),

@@ -21,13 +21,13 @@ pub(super) enum Kind {
 static KEYS: LazyLock<Vec<(String, Kind)>> = LazyLock::new(|| {
     let schema = run_schema();
     let mut keys = Vec::new();
-    add(&schema, &schema, String::new(), &mut keys);
+    add(&schema, &schema, "", &mut keys);
     // The first one is the report itself.
     keys.split_off(1)
 });
 
 /// Adds the key of this name, described by `node`, and the keys below it.
-fn add(schema: &Value, node: &Value, name: String, keys: &mut Vec<(String, Kind)>) {
+fn add(schema: &Value, node: &Value, name: &str, keys: &mut Vec<(String, Kind)>) {
     let node = resolved(schema, node);
     let is = |node: &Value, kinds: &[&str]| {
         let named = |kind: &Value| kind.as_str().is_some_and(|kind| kinds.contains(&kind));
@@ -40,12 +40,12 @@ fn add(schema: &Value, node: &Value, name: String, keys: &mut Vec<(String, Kind)
         false if !is_list => Kind::Word,
         _ => Kind::Several,
     };
-    keys.push((name.clone(), kind));
+    keys.push((name.to_string(), kind));
     if is_list {
-        add(schema, &node["items"], format!("{name}[]"), keys);
+        add(schema, &node["items"], &format!("{name}[]"), keys);
     }
     for (key, value) in node["properties"].as_object().into_iter().flatten() {
-        add(schema, value, if name.is_empty() { key.clone() } else { format!("{name}.{key}") }, keys);
+        add(schema, value, format!("{name}.{key}").trim_start_matches('.'), keys);
     }
 }
 

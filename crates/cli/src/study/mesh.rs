@@ -1,4 +1,4 @@
-//! The meshes of a comparison: their names and how to generate them from a scene.
+//! The meshes of a study: their names and how to generate them from a scene.
 
 use std::fmt;
 use std::str::FromStr;
@@ -12,7 +12,7 @@ use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::scene::Override;
 
-/// A mesh of a comparison.
+/// A mesh of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeshChoice {
     /// Its origin and refinement.

@@ -10,7 +10,7 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
-use stickslip::base::Quantity;
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{column_quantity, key_quantity};
 
 use super::keys::{self, Kind};
@@ -243,8 +243,13 @@ impl TableQuantity {
         }
     }
 
+    /// Returns the name of its unit in a system of units.
+    pub(crate) fn unit(&self, units: &UnitSystem) -> String {
+        format!("{}{}", units.name(self.quantity()), self.fixed_unit())
+    }
+
     /// Returns the name of a unit that no system of units changes: s or B.
-    pub(crate) fn fixed_unit(&self) -> &'static str {
+    fn fixed_unit(&self) -> &'static str {
         let Source::Key { name, .. } = &self.source else { return "" };
         match last(name) {
             "time" | "start" | "end" => "s",
@@ -506,7 +511,7 @@ mod tests {
             ("max:top.sum_p_n", "a support has no column `sum_p_n`"),
         ] {
             let error = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places(), false)).unwrap_err();
-            assert!(error.to_string().contains(words), "{text}: {error}");
+            assert!(error.contains(words), "{text}: {error}");
         }
         let word: TableQuantity = "cycle.regime".parse().unwrap();
         assert!(word.at(&places(), true).unwrap_err().contains("cannot be drawn"));

@@ -99,7 +99,7 @@ impl Sweep {
             json["units"] = json!(UnitNames::of(&self.units));
         }
         let with_unit =
-            |quantity: &TableQuantity| json!({ "quantity": quantity.text(), "unit": self.unit(quantity, &self.units) });
+            |quantity: &TableQuantity| json!({ "quantity": quantity.text(), "unit": quantity.unit(&self.units) });
         json["varied"] = json!(self.varied);
         json["quantities"] = self.shown.iter().map(with_unit).collect();
         if let Some(plotted) = &self.plotted {
@@ -220,15 +220,10 @@ impl Sweep {
         notes
     }
 
-    /// Returns the unit of a quantity in `units`.
-    fn unit(&self, quantity: &TableQuantity, units: &UnitSystem) -> String {
-        format!("{}{}", units.name(quantity.quantity()), quantity.fixed_unit())
-    }
-
     /// Returns the name of a quantity for people, with its unit in the text table.
     pub(super) fn label(&self, quantity: &TableQuantity) -> String {
         let named = KEY_RESULTS.iter().find(|result| result.key == quantity.text());
-        labelled(named.map_or(quantity.text(), |result| result.head), &self.unit(quantity, &self.units_of(quantity)))
+        labelled(named.map_or(quantity.text(), |result| result.head), &quantity.unit(&self.units_of(quantity)))
     }
 
     /// Returns the units of a quantity in the text table: in SI, MPa for pressures.
