@@ -61,10 +61,12 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
     let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
     let verdict = format!("verdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
     let text = format!("{}\n\n{verdict}", collection.to_text().trim_end());
-    let profile = collection.profile();
-    let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
-    let contents = [collection.to_csv(), json.clone(), profile.to_csv(), chart];
-    tell(folder.as_ref(), args.json.then_some(&json), &text, FILES.into_iter().zip(contents))?;
+    let contents = || {
+        let profile = collection.profile();
+        let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
+        Ok(FILES.into_iter().zip([collection.to_csv(), json.clone(), profile.to_csv(), chart]))
+    };
+    tell(folder.as_ref(), args.json.then_some(&json), &text, contents)?;
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
     Ok(match () {
         () if has(Verdict::MachineFailure) => ExitStatus::MachineFailure,

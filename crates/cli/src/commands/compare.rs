@@ -100,7 +100,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
     let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
     let runs = comparison.runs_csv();
-    tell(folder.as_ref(), args.csv.then_some(&runs), &text, files(&comparison, invocation)?)?;
+    tell(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
     if let (Some(folder), Some(cells)) = (&folder, &kept) {
         cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }

@@ -87,8 +87,8 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
     let finer = finer(&scene).filter(|_| study.ended.verdict == Verdict::NoFinerMesh);
     text.extend(finer.map(|(command, _)| format!("             {command}")));
-    let files = [study.to_csv(), json.clone(), study.chart().to_svg()?];
-    tell(folder.as_ref(), args.json.then_some(&json), &text, FILES.into_iter().zip(files))?;
+    let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
+    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     Ok(if study.ended.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 

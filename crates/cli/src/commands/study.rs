@@ -44,15 +44,15 @@ impl<'a> StudyFolder<'a> {
 
 /// Prints the results of a study, as `data` alone or else as text, and writes its files, names and contents, if it has a
 /// folder.
-pub(super) fn tell<N: AsRef<str>>(
+pub(super) fn tell<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
     folder: Option<&StudyFolder<'_>>,
     data: Option<&str>,
     text: &str,
-    files: impl IntoIterator<Item = (N, String)>,
+    files: impl FnOnce() -> Result<F, Failure>,
 ) -> Result<(), Failure> {
     say!("{}", data.unwrap_or(text).trim_end());
     let Some(StudyFolder { path, .. }) = folder else { return Ok(()) };
-    let written = files.into_iter().try_for_each(|(name, content)| write_file(path, name.as_ref(), content));
+    let written = files()?.into_iter().try_for_each(|(name, content)| write_file(path, name.as_ref(), content));
     written.map_err(|error| write_failure(path, &error))?;
     if data.is_none() {
         say!("results      {}", path.display());

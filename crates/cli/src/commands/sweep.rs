@@ -150,13 +150,16 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     let sweep =
         Sweep::new(&first, args.variations.clone(), shown, rows.map_err(|error: std::io::Error| failed(error))?);
     let json = pretty(&sweep.to_json())?;
-    let chart = sweep.chart().to_svg()?;
     let mut text = format!("\n{}", sweep.to_text());
     if interrupt::requested() {
         text += "interrupted  repeat the command with the same --out to continue";
     }
-    let files = [sweep.to_csv(), json.clone(), sweep.to_text(), chart.clone(), sweep.to_html(&chart)];
-    tell(folder.as_ref(), args.json.then_some(&json), &text, TABLES.into_iter().zip(files))?;
+    let files = || {
+        let chart = sweep.chart().to_svg()?;
+        let page = sweep.to_html(&chart);
+        Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart, page]))
+    };
+    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
         () if outcomes().all(VariantResult::is_converged) => ExitStatus::Success,
