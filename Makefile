@@ -238,7 +238,7 @@ compare: deps
 	{ cat $(PAGE)/introduction.md; for scene in block punch frictionless strip cube plate; do echo; \
 		{ awk '/^```text/ { table = 1 } !table && (!/^!/ || /forces.svg|mesh-time.svg/); /^```$$/ { table = 0 }' $(PAGE)/$$scene/compare.md; \
 		echo; echo 'Numbers: [runs](compare.csv), [meshes](meshes.csv).'; } | cat -s | sed "s|](|](error-vs-time/$$scene/|g"; done; } >$(PAGE).md
-	cd $(PAGE) && rm -f */compare.md */iterations.csv */work.svg */growth.svg */increment.svg */mesh-size.svg
+	cd $(PAGE) && rm -f */compare.md */iterations.csv */mesh-size.svg
 
 fresh:
 	.ci/fresh

@@ -9,8 +9,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::base::Units;
 use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
-use stickslip_cli::compare::MeshSize;
-use stickslip_cli::converge::{ConvergeError, Plan, Sought, Told, compute};
+use stickslip_cli::converge::{ConvergeError, Limits, Plan, Sought, compute};
+use stickslip_cli::study::MeshSize;
 
 fn refused(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -44,7 +44,7 @@ impl Wanted {
         let named = |error: String| PyValueError::new_err(format!("meshes: {error}"));
         let sought = quantity.parse().map_err(|error: <Sought as std::str::FromStr>::Err| refused(error))?;
         let meshes = meshes.iter().map(|mesh| mesh.parse::<MeshSize>()).collect::<Result<_, _>>().map_err(named)?;
-        Ok(Plan { sought, to, meshes, ratio, most_runs: max_runs, within })
+        Ok(Plan { sought, meshes, ratio, limits: Limits { to, most_runs: max_runs, within } })
     }
 }
 
@@ -78,7 +78,8 @@ pub(crate) fn converge(
     let chart = study.chart().to_svg().map_err(refused)?;
     let message = study.outcome();
     // Python has SI numbers; words and pictures have the units of the scene.
-    study.units.units = Units::default();
-    let told = Told { message, ..study.told() };
-    Ok((serde_json::to_string(&told).map_err(refused)?, chart))
+    study.last.units.units = Units::default();
+    let mut told = study.told();
+    told["message"] = message.into();
+    Ok((told.to_string(), chart))
 }

@@ -23,6 +23,7 @@ mod run;
 mod schema;
 mod shell;
 mod solve;
+mod study;
 mod sweep;
 mod threads;
 mod uniqueness;
@@ -30,6 +31,7 @@ mod uniqueness;
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::{OsStr, OsString};
+use std::fmt::Display;
 use std::iter;
 #[cfg(feature = "blas")]
 use std::os::unix::process::CommandExt as _;
@@ -178,6 +180,18 @@ enum Failure {
     Machine(miette::Report),
 }
 
+impl Failure {
+    /// An error of the input, with its cure.
+    fn input(message: impl Display, cure: impl Display) -> Self {
+        Failure::Input(miette::miette!(help = cure.to_string(), "{message}"))
+    }
+
+    /// A failure of the machine, with its cure.
+    fn machine(message: impl Display, cure: impl Display) -> Self {
+        Failure::Machine(miette::miette!(help = cure.to_string(), "{message}"))
+    }
+}
+
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Failure::Input(error.into())
@@ -186,7 +200,7 @@ impl From<SceneError> for Failure {
 
 impl From<ExchangeError> for Failure {
     fn from(error: ExchangeError) -> Self {
-        Failure::Input(miette::miette!(help = error.help().to_string(), "{error}"))
+        Failure::input(&error, error.help())
     }
 }
 
@@ -325,9 +339,7 @@ pub fn main(invocation: Invocation) -> ExitStatus {
         Ok(Ok(code)) => code,
         Ok(Err(failure)) => output::failure(&failure, json),
         // Some failures for lack of memory do not mention memory.
-        Err(_) if memory::is_short() => {
-            output::failure(&Failure::Machine(miette::miette!(help = memory::HELP, "{}", memory::MESSAGE)), json)
-        }
+        Err(_) if memory::is_short() => output::failure(&Failure::machine(memory::MESSAGE, memory::HELP), json),
         Err(bug) => {
             output::note(&bug);
             if json {

@@ -1,7 +1,7 @@
 //! Compares methods, linear solvers, increments and meshes on one scene: error against time.
 //!
 //! Three errors are distinguished. The *algebraic* error is the error measure, iteration by iteration
-//! ([`Trial::iterates`]). The error of *time stepping* is the distance to a reference on the same mesh: the exact path
+//! ([`Course::iterates`]). The error of *time stepping* is the distance to a reference on the same mesh: the exact path
 //! in time or many more increments ([`TimeErrors`]). The difference to half the increments is no substitute, because a
 //! node that closes and sticks in the first half comes out the same with either. The error of the *mesh* is the
 //! distance between such a reference and the one on the finest mesh ([`MeshErrors`]). Time is the CPU time of the one
@@ -13,13 +13,12 @@ mod cases;
 mod cell;
 mod convergence;
 mod errors;
-mod mesh;
 mod pareto;
 mod picture;
+mod table;
 mod tractions;
 
 use cases::Study;
-pub(crate) use mesh::{each, first_elements, multiplied};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::{Mutex, PoisonError};
@@ -31,10 +30,12 @@ use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
+pub use crate::study::{ElementChoice, MeshChoice, MeshSize};
+use crate::study::{distinct, each, first_elements};
 pub use answers::{Estimate, Lead};
+pub(crate) use cell::CellFolder;
 pub use cell::Cells;
 pub use errors::{End, MeshErrors, TimeErrors};
-pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub use pareto::front;
 pub use picture::charts;
 pub use tractions::{Interior, TractionNode, Tractions};
@@ -69,6 +70,10 @@ pub struct Plan {
 /// The times of a run by phase, s.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Phases {
+    /// The CPU time of the whole run.
+    pub cpu: f64,
+    /// The wall time of the whole run.
+    pub wall: f64,
     /// Mesh, `K`, contact maps and loads: wall time, measured once per mesh.
     pub model: f64,
     /// Symbolic analysis: wall time, as for the phases below.
@@ -76,15 +81,11 @@ pub struct Phases {
     /// Residuals, merits and Jacobian values.
     pub assembly: f64,
     /// Factorisations, including the one of the clamped body.
-    pub factorization: f64,
+    pub factor: f64,
     /// Solves with refinement and backward error.
     pub solve: f64,
     /// Everything else.
     pub rest: f64,
-    /// The wall time of the whole run.
-    pub wall: f64,
-    /// The CPU time of the whole run.
-    pub cpu: f64,
 }
 
 /// One iteration of a run.
@@ -102,15 +103,9 @@ pub struct Iterate {
     pub error: Option<f64>,
 }
 
-/// A solved history.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trial {
-    /// The method and the linear solver.
-    pub path: SolverPath,
-    /// The mesh.
-    pub mesh: MeshChoice,
-    /// The requested number of increments.
-    pub increments: usize,
+/// How a history was solved.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Course {
     /// The verdict.
     pub status: Status,
     /// The number of increments that converged.
@@ -127,10 +122,23 @@ pub struct Trial {
     pub factor_peak_bytes: f64,
     /// The largest error measure of any increment.
     pub kkt: f64,
-    /// The distance to the reference; `None` if either did not converge.
-    pub errors: Option<TimeErrors>,
     /// The iterations of the run.
     pub iterates: Vec<Iterate>,
+}
+
+/// A solved history.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trial {
+    /// The method and the linear solver.
+    pub path: SolverPath,
+    /// The mesh.
+    pub mesh: MeshChoice,
+    /// The requested number of increments.
+    pub increments: usize,
+    /// How it was solved.
+    pub course: Course,
+    /// The distance to the reference; `None` if either did not converge.
+    pub errors: Option<TimeErrors>,
 }
 
 /// A mesh and its reference: the exact path in time, or the default BN with many increments if that path is unknown or
@@ -257,24 +265,20 @@ pub fn compute(
         tell(format!("{mesh}, reference with {reference} increments"));
         Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
     })?;
-    let units = studies.last().map_or(scene.description.system(3), Study::units);
+    let units = studies.last().map_or(scene.description.system(3), |study| study.model.units());
     let mut tasks = Vec::new();
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let trials = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
-        tell(format!("{}, {path}, {increments} increments", study.mesh()));
+    let mut runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
+        tell(format!("{}, {path}, {increments} increments", study.result.mesh));
         study.run(path, increments, cells)
     })?;
-    let each = plan.paths.len() * increments.len();
-    let mut trials = trials.into_iter();
-    let mut studied: Vec<(MeshResult, Vec<Trial>)> =
-        studies.into_iter().map(|study| (study.result(), trials.by_ref().take(each).collect())).collect();
+    let mut results: Vec<MeshResult> = studies.into_iter().map(|study| study.result).collect();
     // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
     // counts as the finer one.
-    studied.sort_by_key(|(result, _)| result.displacements);
-    let (mut results, runs): (Vec<MeshResult>, Vec<Vec<Trial>>) = studied.into_iter().unzip();
-    let runs = runs.concat();
+    results.sort_by_key(|result| result.displacements);
+    runs.sort_by_key(|run| results.iter().position(|result| result.mesh == run.mesh));
     if let Some((finest, coarser)) = results.split_last_mut() {
         let interior = coarser.first().map(|coarsest| coarsest.end.tractions.interior());
         for result in coarser {
@@ -302,33 +306,21 @@ impl Comparison {
 
     /// Returns the compared elements, in order.
     pub fn elements(&self) -> Vec<Option<ElementChoice>> {
-        let mut elements = Vec::new();
-        for result in &self.meshes {
-            if !elements.contains(&result.mesh.elements) {
-                elements.push(result.mesh.elements);
-            }
-        }
-        elements
+        distinct(self.meshes.iter().map(|result| result.mesh.elements))
     }
 
     /// Returns the CPU time (s) of the history with most increments on a mesh, by the first combination that completed
     /// it.
     pub fn seconds(&self, mesh: &MeshChoice) -> Option<f64> {
-        let solved = self.on(mesh).filter(|run| run.status == Status::Converged);
+        let solved = self.on(mesh).filter(|run| run.course.status == Status::Converged);
         // `rev` makes the first of the longest runs the last maximum, which `max_by_key` returns.
         let most = solved.rev().max_by_key(|run| run.increments)?;
-        Some(most.seconds.cpu)
+        Some(most.course.seconds.cpu)
     }
 
     /// Returns the compared combinations of method and linear solver, in order.
     pub fn paths(&self) -> Vec<SolverPath> {
-        let mut paths = Vec::new();
-        for run in &self.runs {
-            if !paths.contains(&run.path) {
-                paths.push(run.path);
-            }
-        }
-        paths
+        distinct(self.runs.iter().map(|run| run.path))
     }
 }
 
@@ -336,6 +328,6 @@ impl Trial {
     /// Returns the CPU time (s) and one of the errors, at least `floor`. `None` if the error is unknown.
     pub fn point(&self, error: fn(&TimeErrors) -> f64, floor: f64) -> Option<[f64; 2]> {
         let error = error(self.errors.as_ref()?);
-        error.is_finite().then(|| [self.seconds.cpu, error.max(floor)])
+        error.is_finite().then(|| [self.course.seconds.cpu, error.max(floor)])
     }
 }

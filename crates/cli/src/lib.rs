@@ -5,4 +5,5 @@ pub mod commands;
 pub mod compare;
 pub mod converge;
 pub mod problems;
+pub mod study;
 pub mod sweep;

@@ -17,17 +17,12 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod keys;
 mod outcome;
 mod page;
 mod picture;
-mod places;
-mod quantity;
 mod table;
 mod variation;
 
 pub use outcome::VariantResult;
-pub use places::{Places, check_places};
-pub use quantity::{QuantityError, TableQuantity, quantities};
 pub use table::{Row, Shown, Sweep};
-pub use variation::{MAX_VARIANTS, Variant, Variation, VariationError, combinations};
+pub use variation::{MAX_VARIANTS, Variant, Variation, combinations};

@@ -9,10 +9,9 @@ use clap::Args;
 use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip_exchange::{ProblemFile, Way, solve_by};
-use stickslip_output::{FolderLock, write_file};
 
 use super::progress::bar;
-use super::run::write_failure;
+use super::study::{StudyFolder, pretty, tell};
 use super::{ExitStatus, Failure, interrupt};
 
 /// The name endings of exchange files.
@@ -45,9 +44,7 @@ pub(super) struct CollectionArgs {
 pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
-    let lock =
-        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
-    let _alone = args.out.as_ref().map(lock).transpose()?;
+    let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
     let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
     let bar = bar(tasks.len(), "problems");
@@ -59,22 +56,17 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
     bar.finish_and_clear();
     let rows: Vec<Row> = rows.unwrap_or_default().into_iter().flatten().collect();
     let collection = Collection::new(rows);
-    let json =
-        serde_json::to_string_pretty(&collection).map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    if args.json {
-        say!("{json}");
-    } else {
-        say!("{}", collection.to_text().trim_end());
-        let Collection { files, solved, cpu_seconds, .. } = &collection;
-        let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
-        say!("\nverdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
-    }
-    if let Some(folder) = &args.out {
-        write(folder, &args.folder, &collection, &json)?;
-        if !args.json {
-            say!("results      {}", folder.display());
-        }
-    }
+    let json = pretty(&collection)?;
+    let Collection { files, solved, cpu_seconds, .. } = &collection;
+    let others = if others == 0 { String::new() } else { format!(", {others} other files ignored") };
+    let verdict = format!("verdict      {solved} of {files} problems solved, {cpu_seconds:.2} s CPU{others}");
+    let text = format!("{}\n\n{verdict}", collection.to_text().trim_end());
+    let contents = || {
+        let profile = collection.profile();
+        let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
+        Ok(FILES.into_iter().zip([collection.to_csv(), json.clone(), profile.to_csv(), chart]))
+    };
+    tell(folder.as_ref(), args.json.then_some(&json), &text, contents)?;
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
     Ok(match () {
         () if has(Verdict::MachineFailure) => ExitStatus::MachineFailure,
@@ -87,11 +79,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
 /// Returns the exchange files of a folder by name, and the number of other files.
 fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let entries = fs::read_dir(folder).map_err(|error| {
-        Failure::Input(miette::miette!(
-            help = "name a folder",
-            "{}: the folder cannot be read: {error}",
-            folder.display()
-        ))
+        Failure::input(format!("{}: the folder cannot be read: {error}", folder.display()), "name a folder")
     })?;
     let mut all: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(|path| path.is_file()).collect();
     all.sort();
@@ -99,7 +87,7 @@ fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
     let (files, others): (Vec<_>, Vec<_>) = all.into_iter().partition(ours);
     if files.is_empty() {
         let help = "name a folder with files that end with hdf5, h5, hdf or dat";
-        return Err(Failure::Input(miette::miette!(help = help, "{}: it contains no exchange file", folder.display())));
+        return Err(Failure::input(format!("{}: it contains no exchange file", folder.display()), help));
     }
     Ok((files, others.len()))
 }
@@ -129,13 +117,4 @@ fn row(path: &Path, way: Way) -> Option<Row> {
             Some(Row::failed(&name, way.name(), status, format!("{name}: {error}")))
         }
     }
-}
-
-fn write(folder: &Path, of: &Path, collection: &Collection, json: &str) -> Result<(), Failure> {
-    let profile = collection.profile();
-    let chart = profile.chart(&format!("Problems of {}", of.display())).to_svg();
-    let chart = chart.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    let failed = |error: std::io::Error| write_failure(folder, &error);
-    let texts = [collection.to_csv(), json.to_string(), profile.to_csv(), chart];
-    FILES.into_iter().zip(texts).try_for_each(|(name, text)| write_file(folder, name, text)).map_err(failed)
 }

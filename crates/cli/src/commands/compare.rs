@@ -1,26 +1,15 @@
 //! `stickslip compare`.
 
-mod cells;
-mod csv;
-mod tables;
-
-use super::progress::bar;
 use super::run::write_failure;
+use super::study::{StudyFolder, counted, tell};
 use super::{ExitStatus, Failure, Invocation, origin};
-use crate::compare::{
-    self, Cells, CompareError, Comparison, ElementChoice, End, MeshChoice, MeshResult, MeshSize, Plan, SolverPath,
-};
-use cells::CellFolder;
+use crate::compare::{self, CellFolder, Cells, CompareError, Comparison, Plan, SolverPath};
+use crate::study::{ElementChoice, MeshChoice, MeshSize};
 use clap::Args;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use stickslip::algebra::linear::{self, SparseLu};
-use stickslip::base::{Quantity, UnitSystem};
-use stickslip::run::report::Estimates;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, Status};
-use stickslip_output::write_file;
-use tables::tables;
 
 #[derive(Args)]
 pub(super) struct CompareArgs {
@@ -69,6 +58,13 @@ pub(super) struct CompareArgs {
     csv: bool,
 }
 
+/// The files of a comparison. Not all comparisons have all pictures.
+const FILES: [&str; 7] =
+    ["compare.csv", "iterations.csv", "meshes.csv", "compare.md", "forces.svg", "mesh-size.svg", "mesh-time.svg"];
+
+/// The first columns of every `compare.csv`.
+const COLUMNS: &str = "method,setting,solver,elements,mesh,increments,";
+
 /// Returns the method of these names. The paper's interior point method starts from the safe point.
 fn method(name: &str, setting: &str) -> HistoryMethod {
     match (name, setting) {
@@ -86,51 +82,30 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
-    if let Some(file) = args.out.as_ref().filter(|out| out.exists() && !out.is_dir()) {
-        return Err(write_failure(file, &std::io::ErrorKind::NotADirectory.into()));
-    }
-    let kept = match &args.out {
-        Some(out) => {
-            let cells = CellFolder::open(out, origin(&scene)?, args.resume);
-            Some(cells.map_err(|error| write_failure(out, &error))?)
-        }
-        None => None,
+    let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
+    let kept = |StudyFolder { path, .. }: &StudyFolder<'_>| {
+        CellFolder::open(path, origin(&scene)?, args.resume).map_err(|error| write_failure(path, &error))
     };
+    let kept = folder.as_ref().map(kept).transpose()?;
     let cells = kept.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
-    let bar = bar(plan.histories(), "histories");
-    let mut started = false;
-    let mut progress = |what: String| {
-        bar.inc(u64::from(started));
-        started = true;
-        bar.set_message(what);
-    };
+    let (bar, mut progress) = counted(plan.histories(), "histories");
     let comparison = compare::compute(&scene, &plan, cells, &mut progress).map_err(|error| match error {
         CompareError::Run(error) => Failure::from(error),
         of_the_plan => Failure::Input(of_the_plan.into()),
     })?;
     bar.finish_and_clear();
 
-    if args.csv {
-        csv::runs(&comparison).lines().for_each(|line| say!("{line}"));
-    } else {
-        say!("{}\n", comparison.title);
-        if let Some(blas) = &comparison.blas {
-            say!("{}\n", blas.with_threads());
-        }
-        say!("{}", tables(&comparison, &comparison.meshes));
-        comparison.answers().iter().for_each(|answer| say!("{answer}"));
+    let answers = comparison.answers().join("\n");
+    let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
+    let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
+    let runs = comparison.runs_csv();
+    tell(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
+    if let (Some(folder), Some(cells)) = (&folder, &kept) {
+        cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }
-    if let Some(folder) = &args.out {
-        write(folder, &comparison, invocation)?;
-        if let Some(cells) = &kept {
-            cells.remove().map_err(|error| write_failure(folder, &error))?;
-        }
-        if !args.csv {
-            say!("results      {}", folder.display());
-        }
-    }
-    let runs = comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.status);
+    let runs =
+        comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.course.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
     let sound = statuses.all(|status| status == Status::Converged);
     Ok(if sound { ExitStatus::Success } else { ExitStatus::NotConverged })
@@ -140,7 +115,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
 fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
     if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
         let help = format!("remove it, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
-        return Err(Failure::Input(miette::miette!(help = help, "--solvers: {absent} is not in this build")));
+        return Err(Failure::input(format!("--solvers: {absent} is not in this build"), help));
     }
     if !given.is_empty() {
         return Ok(given.to_vec());
@@ -174,76 +149,28 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
     plan
 }
 
-/// Returns the table fields of a mesh: its elements if they were chosen, and its size.
-fn fields(mesh: &MeshChoice) -> [String; 2] {
-    let elements = mesh.elements.map_or(String::new(), |elements| elements.to_string());
-    let size = match &mesh.size {
-        MeshSize::Elements(n) => n.to_string(),
-        size => MeshChoice::from(size.clone()).to_string(),
-    };
-    [elements, size]
-}
-
-/// The cost of a mesh and its error estimates. Values that do not apply are NaN.
-struct Told {
-    /// CPU time, s.
-    seconds: Option<f64>,
-    /// The nodes across the contact zone with the largest force.
-    across: Option<usize>,
-    /// The estimated error of the peak pressure.
-    peak: f64,
-    /// The estimated error in the energy norm.
-    norm: f64,
-    /// The share by which locking makes the elements too stiff.
-    locking: f64,
-}
-
-fn told(comparison: &Comparison, result: &MeshResult) -> Told {
-    let estimates = result.estimates.as_ref();
-    let share = |of: fn(&Estimates) -> Option<f64>| estimates.and_then(of).unwrap_or(f64::NAN);
-    Told {
-        seconds: comparison.seconds(&result.mesh),
-        across: estimates.and_then(|estimates| estimates.heaviest()?.nodes_across),
-        peak: share(|estimates| estimates.peak_error),
-        norm: share(|estimates| estimates.discretisation),
-        locking: share(|estimates| estimates.locking),
-    }
-}
-
-/// Returns the sums of the contact forces, the energy and the friction work, in `units`.
-fn resultants(result: &MeshResult, units: &UnitSystem) -> [f64; 5] {
-    // + 0.0 because the sum of no forces is -0.
-    let sum = |forces: &[f64]| units.of_si(Quantity::Force, forces.iter().sum::<f64>() + 0.0);
-    let End { p_n, p_t, p_o, energy, work, .. } = &result.end;
-    let [energy, work] = [energy, work].map(|energy| units.of_si(Quantity::Energy, *energy));
-    [sum(p_n), sum(p_t), sum(p_o), energy, work]
-}
-
 /// Quotes an argument for a shell, to which brackets are special, too.
 fn quoted(argument: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
     if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
 }
 
-fn write(folder: &Path, comparison: &Comparison, invocation: &Invocation) -> Result<(), Failure> {
-    let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
-    written(fs::create_dir_all(folder))?;
-    written(write_file(folder, "compare.csv", csv::runs(comparison)))?;
-    written(write_file(folder, "iterations.csv", csv::iterations(comparison)))?;
-    written(write_file(folder, "meshes.csv", csv::meshes(comparison)))?;
+/// Returns the files of a comparison, names and contents.
+fn files(comparison: &Comparison, invocation: &Invocation) -> Result<Vec<(String, String)>, Failure> {
     let command =
         invocation.arguments.iter().map(|argument| quoted(&argument.to_string_lossy())).collect::<Vec<_>>().join(" ");
     let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
     page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
+    let mut charts = Vec::new();
     for (stem, what, chart) in compare::charts(comparison) {
-        let svg = chart.to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
         let file = format!("{stem}.svg");
-        written(write_file(folder, &file, &svg))?;
         page.extend(["\n![", what, "](", &file, ")\n"]);
+        charts.push((file, chart.to_svg()?));
     }
     // The other meshes are in compare.csv.
     let finest = comparison.meshes.len().saturating_sub(1);
-    page.extend(["\n```text\n", &tables(comparison, &comparison.meshes[finest..]), "```\n"]);
-    written(write_file(folder, "compare.md", &page))
+    page.extend(["\n```text\n", &comparison.to_text(&comparison.meshes[finest..]), "```\n"]);
+    let tables = [comparison.runs_csv(), comparison.iterations_csv(), comparison.meshes_csv(), page];
+    Ok(FILES.map(String::from).into_iter().zip(tables).chain(charts).collect())
 }

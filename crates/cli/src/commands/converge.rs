@@ -2,27 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::compare::MeshSize;
-use crate::converge::{self, ConvergeError, Convergence, Plan, Sought, Verdict};
+use crate::converge::{self, ConvergeError, Limits, Plan, Sought, Verdict};
+use crate::study::MeshSize;
 use clap::Args;
-use std::ops::ControlFlow;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
-use stickslip::solver::IterationRecord;
-use stickslip::solver::history::Observer;
-use stickslip_output::{FolderLock, write_file};
 
-use super::interrupt;
-use super::progress::bar;
-use super::run::write_failure;
-use super::{ExitStatus, Failure};
+use super::study::{StudyFolder, counted, pretty, tell};
+use super::{ExitStatus, Failure, interrupt};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
     /// Scene file (TOML)
     scene: PathBuf,
-    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work or stick_ratio
+    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
+    /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
     sought: Sought,
     /// The share to which it is to be known, e.g. 0.02 for 2 %
@@ -54,8 +49,8 @@ pub(super) struct ConvergeArgs {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share: Option<f64> = text.parse().ok();
-    share.filter(|share| *share > 0.0 && *share < 1.0).ok_or_else(|| "give a share between 0 and 1".to_string())
+    let share = text.parse().ok().filter(|share| *share > 0.0 && *share < 1.0);
+    share.ok_or_else(|| "not a number between 0 and 1".to_string())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {
@@ -69,70 +64,36 @@ const FILES: [&str; 3] = ["converge.csv", "converge.json", "converge.svg"];
 /// The first columns of every `converge.csv`.
 const COLUMNS: &str = "mesh,elements,increments,";
 
-/// Stops a run when the user asks for it.
-struct OnRequest;
-
-impl Observer for OnRequest {
-    fn iteration(&mut self, _: usize, _: &IterationRecord) -> ControlFlow<()> {
-        if interrupt::requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-    }
-}
-
 /// Exit status 1: the quantity is not known to the asked share.
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
-    let lock =
-        |folder: &PathBuf| FolderLock::new(folder, &FILES, COLUMNS).map_err(|error| write_failure(folder, &error));
-    let _alone = args.out.as_ref().map(lock).transpose()?;
+    let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let plan = Plan {
-        sought: args.sought,
-        to: args.to,
+        sought: args.sought.clone(),
         meshes: args.meshes.clone(),
         ratio: args.ratio,
-        most_runs: usize::from(args.max_runs),
-        within: args.within,
+        limits: Limits { to: args.to, most_runs: usize::from(args.max_runs), within: args.within },
     };
     linear::process::keep_freed_memory();
-    let bar = bar(plan.most_runs, "runs at most");
-    let mut started = false;
-    let mut progress = |what: String| {
-        bar.inc(u64::from(started));
-        started = true;
-        bar.set_message(what);
-    };
-    let study = converge::compute(&scene, &plan, &mut progress, &mut OnRequest).map_err(|error| match error {
-        ConvergeError::Run(error) => Failure::from(error),
-        ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
-        of_the_plan => Failure::Input(of_the_plan.into()),
-    })?;
+    let (bar, mut progress) = counted(plan.limits.most_runs, "runs at most");
+    let study =
+        converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted).map_err(
+            |error| match error {
+                ConvergeError::Run(error) => Failure::from(error),
+                ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
+                of_the_plan => Failure::Input(of_the_plan.into()),
+            },
+        )?;
     bar.finish_and_clear();
-    let json = serde_json::to_string_pretty(&study.told());
-    let json = json.map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    if args.json {
-        say!("{json}");
-    } else {
-        print(&study);
-        if study.verdict == Verdict::NoFinerMesh
-            && let Some((command, _)) = finer(&scene)
-        {
-            say!("             {command}");
-        }
-    }
-    if let Some(folder) = &args.out {
-        write(folder, &study, &json)?;
-        if !args.json {
-            say!("results      {}", folder.display());
-        }
-    }
-    Ok(if study.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
-}
-
-fn print(study: &Convergence) {
-    say!("{}\n\n{}", study.title, study.table());
-    for (label, text) in study.lines() {
-        say!("{label:<13}{text}");
-    }
+    let json = pretty(&study.told())?;
+    let mut text = format!("{}\n\n{}\n", scene.title, study.table());
+    text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
+    let finer = finer(&scene).filter(|_| study.ended.verdict == Verdict::NoFinerMesh);
+    text.extend(finer.map(|(command, _)| format!("             {command}")));
+    let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
+    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    Ok(if study.ended.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {
@@ -142,7 +103,7 @@ fn no_finer_mesh(scene: &Scene) -> Failure {
         "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",
         meshes.join(",")
     );
-    Failure::Input(miette::miette!(help = help, "{error}"))
+    Failure::input(error, help)
 }
 
 /// Returns the command by which Gmsh makes a mesh of half the element size, and both meshes as `--meshes` names them, if
@@ -156,12 +117,4 @@ fn finer(scene: &Scene) -> Option<(String, [String; 2])> {
     let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
     let command = format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}");
     Path::new(&geometry).is_file().then_some((command, named))
-}
-
-fn write(folder: &Path, study: &Convergence, json: &str) -> Result<(), Failure> {
-    let chart = study.chart().to_svg().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
-    for (name, content) in FILES.into_iter().zip([study.to_csv().as_str(), json, &chart]) {
-        write_file(folder, name, content).map_err(|error| write_failure(folder, &error))?;
-    }
-    Ok(())
 }

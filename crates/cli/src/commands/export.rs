@@ -61,10 +61,7 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     let number = args.increment.map_or(increments, |number| number as usize);
     if number > increments {
         let help = "choose one of them, or raise time.increments";
-        return Err(Failure::Input(miette::miette!(
-            help = help,
-            "increment {number} is asked for, but the scene has {increments}"
-        )));
+        return Err(Failure::input(format!("increment {number} is asked for, but the scene has {increments}"), help));
     }
     let mut one = One { number, before: None, found: None };
     run.solve(&mut one)?;
@@ -75,10 +72,8 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     if record.index < number {
         let help = "export that one, or correct the scene";
         let (index, status) = (record.index, record.status);
-        return Err(Failure::Input(miette::miette!(
-            help = help,
-            "increment {number} was not reached: increment {index} ended {status}"
-        )));
+        let message = format!("increment {number} was not reached: increment {index} ended {status}");
+        return Err(Failure::input(message, help));
     }
     let before = one.before.unwrap_or_else(|| State::zero(&model.problem));
     let info = Info {
@@ -92,12 +87,12 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     };
     let help = "export the global form";
     let file = export(&model.problem, model.mesh.dimension, &found.data(), &found.state, &before, info);
-    let mut file = file.map_err(|fault| Failure::Input(miette::miette!(help = fault.help.clone(), "{fault}")))?;
+    let mut file = file.map_err(|fault| Failure::input(&fault, &fault.help))?;
     if record.status != Status::Converged {
         file.solution = None;
     }
     if args.form == Form::Local {
-        file = export_local(file).map_err(|error| Failure::Input(miette::miette!(help = help, "{error}")))?;
+        file = export_local(file).map_err(|error| Failure::input(error, help))?;
     }
     write(&args.out, &file)?;
     let problem = &file.problem;

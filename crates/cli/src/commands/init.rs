@@ -61,7 +61,7 @@ fn write(folder: &Path, files: &[(&str, &str)]) -> Result<(), Failure> {
     let paths = || files.iter().map(|(name, _)| folder.join(name));
     if let Some(path) = paths().find(|path| path.exists()) {
         let help = "choose another folder with --out; nothing was written";
-        return Err(Failure::Input(miette::miette!(help = help, "{} already exists", path.display())));
+        return Err(Failure::input(format!("{} already exists", path.display()), help));
     }
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;

@@ -2,11 +2,14 @@
 //! which does not check for requests, a signal ends the program. Later, the first signal asks the run to stop after the
 //! current iteration, and the second one ends the program.
 
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, LazyLock};
 
 use signal_hook::consts::{SIGINT, SIGTERM, SIGUSR1};
 use signal_hook::flag;
+use stickslip::solver::IterationRecord;
+use stickslip::solver::history::Observer;
 
 static REQUESTED: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 
@@ -26,6 +29,15 @@ pub(super) fn listen() {
         let _ = flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&UNSEEN))
             .and_then(|_| flag::register_conditional_shutdown(signal, INTERRUPTED, Arc::clone(&REQUESTED)))
             .and_then(|_| flag::register(signal, Arc::clone(&REQUESTED)));
+    }
+}
+
+/// An observer that stops a run when the user asks for it.
+pub(super) struct UntilInterrupted;
+
+impl Observer for UntilInterrupted {
+    fn iteration(&mut self, _: usize, _: &IterationRecord) -> ControlFlow<()> {
+        if requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     }
 }
 

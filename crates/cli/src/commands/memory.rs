@@ -28,8 +28,8 @@ pub(super) fn end_in_order(json: bool) {
     #[cfg(feature = "blas")]
     if stickslip::algebra::linear::process::blas_is_stuck() {
         let help = "set OPENBLAS_NUM_THREADS=1, or raise the memory limit";
-        let report = miette::miette!(help = help, "out of memory: the BLAS has no room for its threads");
-        super::output::failure(&super::Failure::Machine(report), json);
+        let failure = super::Failure::machine("out of memory: the BLAS has no room for its threads", help);
+        super::output::failure(&failure, json);
         // Exit at once: the normal exit waits for those threads.
         signal_hook::low_level::exit(STATUS);
     }

@@ -14,9 +14,9 @@ pub(super) struct ReportArgs {
 }
 
 pub(super) fn report(args: &ReportArgs) -> Result<(), Failure> {
-    write_page(&args.folder).map_err(|error| {
-        let report = miette::miette!(help = error.help(), "{error}");
-        if matches!(error, PageError::Disk(_)) { Failure::Machine(report) } else { Failure::Input(report) }
+    write_page(&args.folder).map_err(|error| match &error {
+        PageError::Disk(_) => Failure::machine(&error, error.help()),
+        _ => Failure::input(&error, error.help()),
     })?;
     let page = args.folder.join("report.html");
     if !args.folder.join("run.json").exists() {

@@ -93,10 +93,8 @@ pub(super) fn check(count: usize, linear: Option<LinearAlgebra>) -> Result<(), F
     match linear {
         Some(linear) if count > 1 && !linear.is_shared() => {
             let help = "use --solver mumps, in space multigrid, or auto, or start the program without the launcher";
-            Err(Failure::Input(miette::miette!(
-                help = help,
-                "a launcher of MPI has started {count} processes of this program, but {linear} uses only one"
-            )))
+            let started = format!("a launcher of MPI has started {count} processes of this program");
+            Err(Failure::input(format!("{started}, but {linear} uses only one"), help))
         }
         _ => Ok(()),
     }
@@ -110,8 +108,5 @@ pub(super) fn refuse(command: &str, count: usize) -> Result<(), Failure> {
     }
     let help = "start the program without the launcher: it uses all processors of the machine, or the number given by \
          --threads";
-    Err(Failure::Input(miette::miette!(
-        help = help,
-        "a launcher of MPI has started {command}, which has no use for ranks"
-    )))
+    Err(Failure::input(format!("a launcher of MPI has started {command}, which has no use for ranks"), help))
 }

@@ -2,9 +2,9 @@
 
 mod resume;
 mod summary;
+mod watcher;
 
 pub(super) use summary::print_warnings;
-mod watcher;
 
 use super::progress::Progress;
 use super::{ExitStatus, Failure, SceneArgs, interrupt, origin, output, threads, uniqueness};
@@ -222,12 +222,12 @@ fn seconds(text: &str) -> Result<Duration, String> {
 /// Reports that results cannot be written. A full disk is a failure of the machine; any other cause is an error of the
 /// input.
 pub(super) fn write_failure(path: &Path, error: &io::Error) -> Failure {
-    let of = |help: &str| miette::miette!(help = help, "{}: results cannot be written: {error}", path.display());
+    let message = format!("{}: results cannot be written: {error}", path.display());
     match error.kind() {
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded => {
-            Failure::Machine(of("free disk space, and type the command again"))
+            Failure::machine(message, "free disk space, and type the command again")
         }
-        _ => Failure::Input(of("choose a writable folder with --out")),
+        _ => Failure::input(message, "choose a writable folder with --out"),
     }
 }
 
@@ -238,5 +238,5 @@ fn disk_failure(path: &Path, error: &io::Error) -> Failure {
         }
         _ => "what was written before is complete; correct the cause, and continue with --resume",
     };
-    Failure::Machine(miette::miette!(help = help, "{}: results cannot be written: {error}", path.display()))
+    Failure::machine(format!("{}: results cannot be written: {error}", path.display()), help)
 }

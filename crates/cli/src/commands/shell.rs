@@ -34,7 +34,7 @@ pub(super) fn man(args: &ManArgs, mut program: Command) -> Result<(), Failure> {
         let names: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
         let help = format!("the commands are {}", names.join(", "));
         let name = args.command.as_deref().unwrap_or_default();
-        return Err(Failure::Input(miette::miette!(help = help, "there is no command `{name}`")));
+        return Err(Failure::input(format!("there is no command `{name}`"), help));
     };
     let mut text = Vec::new();
     let rendered = clap_mangen::Man::new(page).render(&mut text);

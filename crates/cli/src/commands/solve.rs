@@ -12,6 +12,7 @@ use stickslip_exchange::{Answer, ProblemFile, ReductionError, SolveError, TOLERA
 use stickslip_output::{Table, write_file};
 
 use super::run::write_failure;
+use super::study::pretty;
 use super::{ExitStatus, Failure};
 
 #[derive(Args)]
@@ -50,8 +51,7 @@ impl From<SolveError> for Failure {
             SolveError::Reduction(_) => (false, "add supports to the bodies, or give the local problem"),
             _ => (false, "correct the problem or the guess"),
         };
-        let report = miette::miette!(help = help, "{error}");
-        if of_memory { Failure::Machine(report) } else { Failure::Input(report) }
+        if of_memory { Failure::machine(error, help) } else { Failure::input(error, help) }
     }
 }
 
@@ -63,11 +63,7 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitStatus, Failure> {
     let guess = args.guess.map(|number| file.guesses.get(usize::from(number) - 1).ok_or(number)).transpose();
     let guess = guess.map_err(|number| {
         let help = "choose one of the existing guesses, or none";
-        Failure::Input(miette::miette!(
-            help = help,
-            "{name}: there is no guess {number}, but only {}",
-            file.guesses.len()
-        ))
+        Failure::input(format!("{name}: there is no guess {number}, but only {}", file.guesses.len()), help)
     })?;
     if !args.json {
         head(&name, &file);
@@ -95,12 +91,12 @@ pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitStatus, Failure> {
         Some(path) => read_solution(path, &file.problem)?,
         None => file.solution.clone().ok_or_else(|| {
             let help = "name a file that contains a solution: u and r, and for a global problem v, all of them written";
-            Failure::Input(miette::miette!(help = help, "{name}: the file contains no solution"))
+            Failure::input(format!("{name}: the file contains no solution"), help)
         })?,
     };
     let errors = judge(&file.problem, &solution).map_err(|fault| {
         let of = args.solution.as_ref().map_or(name.clone(), |path| path.display().to_string());
-        Failure::Input(miette::miette!(help = fault.help.clone(), "{of}, {fault}"))
+        Failure::input(format!("{of}, {fault}"), &fault.help)
     })?;
     if !args.json {
         head(&name, &file);
@@ -128,8 +124,7 @@ fn head(name: &str, file: &ProblemFile) {
 
 fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     if json {
-        let text = serde_json::to_string_pretty(report);
-        say!("{}", text.map_err(|error| Failure::Machine(miette::miette!("{error}")))?);
+        say!("{}", pretty(report)?);
         return Ok(());
     }
     for warning in &report.warnings {
@@ -163,10 +158,7 @@ fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
 
 /// Returns folder and name of a file to be written. An existing file of that name is replaced.
 pub(super) fn destination(path: &Path) -> Result<(&Path, &str), Failure> {
-    let refused = |help: &str, why: &str| {
-        let help = help.to_string();
-        Failure::Input(miette::miette!(help = help, "{}: {why}", path.display()))
-    };
+    let refused = |help: &str, why: &str| Failure::input(format!("{}: {why}", path.display()), help);
     let Some(name) = path.file_name().and_then(|name| name.to_str()) else {
         return Err(refused("name a file", "it is not a writable file"));
     };

@@ -43,7 +43,7 @@ impl Comparison {
     ) -> Option<&'a Trial> {
         let near = |run: &&Trial| run.errors.is_some_and(|errors| errors.forces <= target);
         let runs = self.on(mesh).filter(|run| wanted(&run.path)).filter(near);
-        runs.min_by(|a, b| a.seconds.cpu.total_cmp(&b.seconds.cpu))
+        runs.min_by(|a, b| a.course.seconds.cpu.total_cmp(&b.course.seconds.cpu))
     }
 
     /// Returns the path that would be fastest for an error of `target` which no run on this mesh reaches, extrapolated
@@ -55,7 +55,7 @@ impl Comparison {
             let [before, after] = [coarse, fine].map(|run| run.errors.map_or(f64::NAN, |errors| errors.forces));
             let order = (before / after).ln() / (fine.increments as f64 / coarse.increments as f64).ln();
             let times = (after / target).powf(1.0 / order);
-            let (increments, seconds) = (times * fine.increments as f64, times * fine.seconds.cpu);
+            let (increments, seconds) = (times * fine.increments as f64, times * fine.course.seconds.cpu);
             (order >= LEAST_ORDER).then_some(Estimate { path, order, increments, seconds })
         };
         self.paths().into_iter().filter_map(of).min_by(|a, b| a.seconds.total_cmp(&b.seconds))
@@ -80,9 +80,9 @@ impl Comparison {
 
     /// Returns the ratio of the CPU times of paths `a` and `b`, over the histories on a mesh that both completed.
     fn ratio(&self, mesh: &MeshChoice, a: SolverPath, b: SolverPath) -> Option<f64> {
-        let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.status == Status::Converged);
+        let solved = |path| self.on(mesh).filter(move |run| run.path == path && run.course.status == Status::Converged);
         let partner = |run: &Trial| solved(b).find(|other| other.increments == run.increments);
-        let pairs = solved(a).filter_map(|run| Some([run.seconds.cpu, partner(run)?.seconds.cpu]));
+        let pairs = solved(a).filter_map(|run| Some([run.course.seconds.cpu, partner(run)?.course.seconds.cpu]));
         let [of_a, of_b] = pairs.fold([0.0; 2], |sum, pair| [sum[0] + pair[0], sum[1] + pair[1]]);
         (of_b > 0.0).then_some(of_a / of_b)
     }
@@ -92,8 +92,9 @@ impl Comparison {
     pub fn growth(&self, path: SolverPath) -> Option<f64> {
         let [coarsest, .., finest] = &self.meshes[..] else { return None };
         let most = self.runs.iter().map(|run| run.increments).max()?;
-        let solved = |run: &&Trial| run.path == path && run.increments == most && run.status == Status::Converged;
-        let seconds = |result: &MeshResult| Some(self.on(&result.mesh).find(solved)?.seconds.cpu);
+        let solved =
+            |run: &&Trial| run.path == path && run.increments == most && run.course.status == Status::Converged;
+        let seconds = |result: &MeshResult| Some(self.on(&result.mesh).find(solved)?.course.seconds.cpu);
         let size = finest.displacements as f64 / coarsest.displacements as f64;
         Some((seconds(finest)? / seconds(coarsest)?).ln() / size.ln())
     }
@@ -121,8 +122,9 @@ impl Comparison {
     }
 
     fn about_target(&self, mesh: &MeshChoice, target: f64) -> String {
-        let describe =
-            |run: &Trial| format!("{} with {} increments, {} s", run.path, run.increments, round(run.seconds.cpu));
+        let describe = |run: &Trial| {
+            format!("{} with {} increments, {} s", run.path, run.increments, round(run.course.seconds.cpu))
+        };
         let head = format!("Contact forces to {target:.0e}, {mesh}:");
         let whole = |path: &SolverPath| !path.linear.condenses();
         let Some(run) = self.cheapest(mesh, target, |_| true) else {
@@ -170,8 +172,7 @@ fn round(x: f64) -> String {
 impl Lead {
     fn sentence(&self) -> String {
         let Lead { linear, setting, ratios } = self;
-        let join = |texts: Vec<String>| texts.join(", ");
-        let times = join(ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect());
+        let times: Vec<String> = ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect();
         let ahead: Vec<&MeshChoice> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| &lead.0).collect();
         let verdict = if ahead.len() == ratios.len() {
             "BN is ahead at every size".to_string()
@@ -181,22 +182,23 @@ impl Lead {
             format!("BN is ahead {} only", at(&ahead))
         };
         let meshes = at(&ratios.iter().map(|lead| &lead.0).collect::<Vec<_>>());
-        format!("On {linear}, setting {setting}, IP takes {times} times as long as BN {meshes}: {verdict}.")
+        format!(
+            "On {linear}, setting {setting}, IP takes {} times as long as BN {meshes}: {verdict}.",
+            times.join(", ")
+        )
     }
 }
 
 /// Names meshes: `at n = 10, 20`; `on a.msh, b.msh`.
 fn at(meshes: &[&MeshChoice]) -> String {
-    let names =
-        |name: &dyn Fn(&MeshChoice) -> String| meshes.iter().map(|mesh| name(mesh)).collect::<Vec<_>>().join(", ");
-    let elements = |mesh: &MeshChoice| match mesh.size {
+    let number = |mesh: &&MeshChoice| match mesh.size {
         MeshSize::Elements(n) => Some(n.to_string()),
-        MeshSize::Own | MeshSize::File(_) => None,
+        _ => None,
     };
-    if meshes.iter().all(|mesh| elements(mesh).is_some()) {
-        return format!("at n = {}", names(&|mesh| elements(mesh).unwrap_or_default()));
+    match meshes.iter().map(number).collect::<Option<Vec<_>>>() {
+        Some(numbers) => format!("at n = {}", numbers.join(", ")),
+        None => format!("on {}", meshes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
     }
-    format!("on {}", names(&ToString::to_string))
 }
 
 #[cfg(test)]

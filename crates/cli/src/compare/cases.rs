@@ -2,23 +2,16 @@
 
 use super::cell::{Cells, Solved};
 use super::errors::{End, TimeErrors};
-use super::mesh::MeshChoice;
-use super::{Iterate, MeshResult, Phases, SolverPath, Trial};
+use super::{Course, Iterate, MeshChoice, MeshResult, Phases, SolverPath, Trial};
 use std::ops::ControlFlow;
 use std::time::Instant;
-use stickslip::base::UnitSystem;
 use stickslip::body::Model;
-use stickslip::run::report::{EstimateWatch, Estimates, thread_cpu_seconds};
+use stickslip::run::report::{EstimateWatch, thread_cpu_seconds};
 use stickslip::run::{Run, RunError, discretise, expect_exact_path};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer, SolverChoice, Status};
-
-/// Returns the solver of the reference: the linear solver with the least estimated time.
-fn reference_solver(method: impl Into<HistoryMethod>, of_scene: &SolverChoice) -> SolverChoice {
-    SolverChoice { method: method.into(), linear: None, ..*of_scene }
-}
 
 /// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
 /// only if nodes slide along lines and friction is constant. It applies the actions at t = 0 in proportion, while the
@@ -32,17 +25,13 @@ fn has_exact_path(model: &Model) -> bool {
     straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
 }
 
-/// A scene on one mesh.
+/// A scene on one mesh, with its reference.
 pub(super) struct Study {
     scene: Scene,
-    model: Model,
-    mesh: MeshChoice,
+    pub model: Model,
     /// Wall and CPU time of building the model, s.
     built: [f64; 2],
-    reference: Solved,
-    end: End,
-    /// The error estimates of the mesh, from the end of the reference.
-    estimates: Estimates,
+    pub result: MeshResult,
 }
 
 impl Study {
@@ -67,78 +56,52 @@ impl Study {
         let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
         })?;
-        let end = End::new(&model, &reference.state, reference.work);
-        let seen = reference.seen.clone().and_then(|seen| seen.of(&model));
+        let seen = reference.seen.and_then(|seen| seen.of(&model));
         let estimates = seen.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
-        Ok(Study { scene, model, mesh, built, reference, end, estimates })
-    }
-
-    /// Returns the mesh.
-    pub(super) fn mesh(&self) -> &MeshChoice {
-        &self.mesh
-    }
-
-    /// Returns the units for output.
-    pub(super) fn units(&self) -> UnitSystem {
-        self.model.units()
+        let result = MeshResult {
+            mesh,
+            displacements: model.problem.displacements(),
+            contacts: model.problem.contacts(),
+            increments: reference.increments,
+            status: reference.course.status,
+            seconds: reference.course.seconds.cpu,
+            end: End::new(&model, &reference.state, reference.work),
+            errors: None,
+            estimates: (reference.course.status == Status::Converged).then_some(estimates),
+        };
+        Ok(Study { scene, model, built, result })
     }
 
     /// Returns the history by `path` in this number of increments, solved unless `cells` has stored it.
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
-        let Study { scene, model, mesh, built, .. } = self;
+        let Study { scene, model, built, result } = self;
+        let mesh = &result.mesh;
         let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
-        let sound = solved.status == Status::Converged && self.reference.status == Status::Converged;
-        Ok(Trial {
-            path,
-            mesh: self.mesh.clone(),
-            increments,
-            status: solved.status,
-            converged: solved.converged,
-            iterations: solved.iterations,
-            factorizations: solved.factorizations,
-            seconds: solved.seconds,
-            factor_entries: solved.factor_entries,
-            factor_peak_bytes: solved.factor_peak_bytes,
-            kkt: solved.kkt,
-            errors: sound.then(|| TimeErrors::new(&end, &self.end, model.problem.weight().unwrap_or_default())),
-            iterates: solved.iterates,
-        })
-    }
-
-    /// Returns the mesh and its reference.
-    pub(super) fn result(self) -> MeshResult {
-        let Solved { increments, status, seconds, .. } = self.reference;
-        let problem = &self.model.problem;
-        MeshResult {
-            mesh: self.mesh,
-            displacements: problem.displacements(),
-            contacts: problem.contacts(),
-            increments,
-            status,
-            seconds: seconds.cpu,
-            end: self.end,
-            errors: None,
-            estimates: (status == Status::Converged).then_some(self.estimates),
-        }
+        let sound = solved.course.status == Status::Converged && result.status == Status::Converged;
+        let errors = || TimeErrors::new(&end, &result.end, model.problem.weight().unwrap_or_default());
+        let course = solved.course;
+        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: sound.then(errors) })
     }
 }
 
 /// Solves the exact path; if it is unknown or ends early, solves this number of increments.
 fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
     let end = scene.time.all().last().copied();
-    let mut last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+    let by = |method: HistoryMethod, increments| {
+        let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+        // With the linear solver of the least estimated time.
+        solve(scene, model, built, SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
+    };
     if has_exact_path(model) {
-        let path =
-            solve(scene, model, built, reference_solver(HistoryMethod::EVENTS, &scene.solver), 1, Some(&mut last))?;
-        if path.status == Status::Converged {
+        let path = by(HistoryMethod::EVENTS, 1)?;
+        if path.course.status == Status::Converged {
             return Ok(Solved { increments: 0, ..path });
         }
-        last.watch = EstimateWatch::new(model);
     }
-    solve(scene, model, built, reference_solver(Method::BN, &scene.solver), increments, Some(&mut last))
+    by(Method::BN.into(), increments)
 }
 
 fn increments_of(number: usize) -> Override {
@@ -151,42 +114,34 @@ fn solve(
     built: [f64; 2],
     solver: SolverChoice,
     increments: usize,
-    last: Option<&mut LastIncrement<'_>>,
+    last: Option<LastIncrement<'_>>,
 ) -> Result<Solved, RunError> {
     let scene = scene.with(&[increments_of(increments)])?;
     let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
     let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
     let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
     let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
-    let [analysis, factorization, solve] =
-        [outcome.linear.analysis_seconds, outcome.linear.factor_seconds, outcome.linear.solve_seconds];
+    let linear = &outcome.linear;
+    let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
     let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
-    let seconds = Phases {
-        model: built[0],
-        analysis,
-        assembly,
-        factorization,
-        solve,
-        rest: wall - analysis - assembly - factorization - solve,
-        wall: built[0] + wall,
-        cpu: built[1] + cpu,
-    };
+    let rest = wall - analysis - assembly - factor - solve;
+    let [wall, cpu] = [built[0] + wall, built[1] + cpu];
+    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest };
     let records = &outcome.records;
-    Ok(Solved {
-        increments,
+    let course = Course {
         status: outcome.status,
-        converged: records.iter().filter(|record| record.status == Status::Converged).count(),
-        iterations: records.iter().map(|record| record.iterations).sum(),
-        factorizations: outcome.linear.factorizations,
-        factor_entries: outcome.linear.factor.entries,
-        factor_peak_bytes: outcome.linear.factor.peak_bytes,
-        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-        work: records.iter().map(|record| record.friction_work).sum(),
-        state: outcome.state,
+        converged: outcome.tally.converged,
+        iterations: outcome.tally.iterations,
+        factorizations: linear.factorizations,
         seconds,
+        factor_entries: linear.factor.entries,
+        factor_peak_bytes: linear.factor.peak_bytes,
+        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
         iterates: recorder.iterates,
-        seen: recorder.last.map(|last| last.watch.clone()),
-    })
+    };
+    let work = records.iter().map(|record| record.friction_work).sum();
+    let seen = recorder.last.map(|last| last.watch);
+    Ok(Solved { increments, course, state: outcome.state, work, seen })
 }
 
 impl SolverPath {
@@ -212,23 +167,15 @@ struct LastIncrement<'a> {
     watch: EstimateWatch,
 }
 
-impl LastIncrement<'_> {
-    fn see(&mut self, step: &IncrementView<'_>) {
-        if self.end.is_some_and(|end| step.record.time >= end) {
-            self.watch.see(self.model, step);
-        }
-    }
-}
-
 /// Records the iterations.
-struct Recorder<'a, 'm> {
+struct Recorder<'a> {
     /// The CPU time at the start of the increment, s.
     since: f64,
     iterates: Vec<Iterate>,
-    last: Option<&'a mut LastIncrement<'m>>,
+    last: Option<LastIncrement<'a>>,
 }
 
-impl Observer for Recorder<'_, '_> {
+impl Observer for Recorder<'_> {
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
         let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
         if begun.is_none() {
@@ -249,8 +196,10 @@ impl Observer for Recorder<'_, '_> {
         if let Some(last) = self.iterates.iter_mut().rfind(|last| last.increment == step.record.index) {
             last.error = Some(step.record.kkt.worst().1);
         }
-        if let Some(last) = &mut self.last {
-            last.see(step);
+        if let Some(LastIncrement { model, end, watch }) = &mut self.last
+            && end.is_some_and(|end| step.record.time >= end)
+        {
+            watch.see(model, step);
         }
         ControlFlow::Continue(())
     }
@@ -260,7 +209,7 @@ impl Observer for Recorder<'_, '_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
 
-    use super::super::mesh::MeshSize;
+    use super::super::MeshSize;
     use super::*;
 
     /// However many increments the scene itself has.

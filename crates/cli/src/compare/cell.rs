@@ -1,10 +1,13 @@
 //! Stored histories of a comparison.
 
-use super::{Iterate, Phases};
+use super::Course;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+use std::{fs, io};
 use stickslip::run::report::EstimateWatch;
-use stickslip::solver::history::Status;
+use stickslip::scene::Provenance;
 use stickslip::solver::{Checkpoint, ContactProblem, State};
+use stickslip_output::write_file;
 
 /// A store of finished histories, with which an interrupted comparison is resumed. It must accept calls from several
 /// threads.
@@ -20,25 +23,53 @@ pub trait Cells: Sync {
 /// A store that keeps nothing.
 impl Cells for () {}
 
+/// A store in a folder beside the tables, which is removed once these are written.
+pub(crate) struct CellFolder {
+    path: PathBuf,
+    /// Part of the file names, so that a history of another scene is never found.
+    origin: Provenance,
+}
+
+impl CellFolder {
+    /// Opens the store of the results in `out`. It is emptied unless the comparison `resumes`.
+    pub fn open(out: &Path, origin: Provenance, resumes: bool) -> io::Result<Self> {
+        let cells = CellFolder { path: out.join(".cells"), origin };
+        if !resumes {
+            cells.remove()?;
+        }
+        fs::create_dir_all(&cells.path)?;
+        Ok(cells)
+    }
+
+    /// Removes the store.
+    pub fn remove(&self) -> io::Result<()> {
+        if self.path.exists() { fs::remove_dir_all(&self.path) } else { Ok(()) }
+    }
+}
+
+impl Cells for CellFolder {
+    fn kept(&self, name: &str) -> Option<Checkpoint> {
+        let bytes = fs::read(self.path.join(self.origin.fingerprint_of(name))).ok()?;
+        Checkpoint::from_bytes(&bytes).ok()
+    }
+
+    /// A history that cannot be stored is solved again next time. Disk errors are reported when the tables are written.
+    fn keep(&self, name: &str, history: &Checkpoint) {
+        if let Ok(bytes) = history.to_bytes() {
+            let _ = write_file(&self.path, &self.origin.fingerprint_of(name), bytes);
+        }
+    }
+}
 /// A solved history.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Solved {
     /// The requested increments; 0 for the exact path.
     pub increments: usize,
-    pub status: Status,
-    /// The number of increments that converged.
-    pub converged: usize,
-    pub iterations: usize,
-    pub factorizations: usize,
-    pub factor_entries: usize,
-    pub factor_peak_bytes: f64,
-    pub kkt: f64,
+    pub course: Course,
     /// The final state.
     pub state: State,
     /// The total friction work, J.
     pub work: f64,
-    pub seconds: Phases,
-    pub iterates: Vec<Iterate>,
     /// For a reference, the data for its error estimates.
     pub seen: Option<EstimateWatch>,
 }
@@ -56,7 +87,7 @@ impl Solved {
             return Ok(kept);
         }
         let solved = solve()?;
-        cells.keep(name, &Checkpoint::new(solved.converged, 0.0, &solved));
+        cells.keep(name, &Checkpoint::new(solved.course.converged, 0.0, &solved));
         Ok(solved)
     }
 }

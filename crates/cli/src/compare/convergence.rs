@@ -2,8 +2,9 @@
 //! each mesh alone.
 
 use super::{Comparison, ElementChoice, MeshErrors, MeshResult};
+use crate::study::curve;
 use stickslip::run::report::Estimates;
-use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale};
 
 /// A measure of the mesh error.
 struct Measure {
@@ -83,11 +84,24 @@ pub(super) fn charts(comparison: &Comparison) -> Vec<(&'static str, &'static str
 }
 
 fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option<f64>) -> Chart {
-    let curves = |measure: &Measure| {
-        let all = comparison.elements().into_iter().enumerate();
-        all.flat_map(|(k, elements)| curves(comparison, measure, x, k, elements)).collect::<Vec<_>>()
+    let of_kind = |measure: &Measure, k: usize, elements: Option<ElementChoice>| {
+        let points = |y: &dyn Fn(&MeshResult) -> Option<f64>| {
+            let of_kind = comparison.meshes.iter().filter(|result| result.mesh.elements == elements);
+            let point = |result| Some([x(result)?, y(result).filter(|y| y.is_finite() && *y > 0.0)?]);
+            of_kind.filter_map(point).collect::<Vec<_>>()
+        };
+        let name = elements.map_or("the scene's elements".to_string(), |elements| elements.to_string());
+        let errors = points(&|result| Some((measure.error)(result.errors.as_ref()?)));
+        let estimates = points(&|result| measure.estimate?(result.estimates.as_ref()?));
+        let line = Some(Line { dash: Dash::Dashed, width: 1.2 });
+        [curve(k, name, errors), Curve { line, marker: None, ..curve(k, String::new(), estimates) }]
     };
-    let panel = |measure: &Measure| Panel { title: measure.name.into(), curves: curves(measure), ..Panel::default() };
+    let panel = |measure: &Measure| {
+        let kinds = comparison.elements().into_iter().enumerate();
+        let curves = kinds.flat_map(|(k, elements)| of_kind(measure, k, elements));
+        let curves = curves.filter(|curve| !curve.points.is_empty()).collect();
+        Panel { title: measure.name.into(), curves, ..Panel::default() }
+    };
     let finest = comparison.meshes.last().map_or(String::new(), |result| result.mesh.to_string());
     Chart {
         title: comparison.title.clone(),
@@ -97,30 +111,4 @@ fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option
         columns: 2,
         panels: MEASURES.iter().map(panel).filter(|panel| !panel.curves.is_empty()).collect(),
     }
-}
-
-/// Returns the curves of the error and of its estimate for `elements`, kind `k`.
-fn curves(
-    comparison: &Comparison,
-    measure: &Measure,
-    x: &dyn Fn(&MeshResult) -> Option<f64>,
-    k: usize,
-    elements: Option<ElementChoice>,
-) -> Vec<Curve> {
-    let of = || comparison.meshes.iter().filter(move |result| result.mesh.elements == elements);
-    let at = |result: &MeshResult, y: Option<f64>| Some([x(result)?, y.filter(|y| y.is_finite() && *y > 0.0)?]);
-    let errors: Vec<[f64; 2]> =
-        of().filter_map(|result| at(result, result.errors.as_ref().map(measure.error))).collect();
-    let estimated = |result: &MeshResult| measure.estimate.and_then(|estimate| estimate(result.estimates.as_ref()?));
-    let estimates: Vec<[f64; 2]> = of().filter_map(|result| at(result, estimated(result))).collect();
-    let (colour, marker) = told_apart(k);
-    let label = elements.map_or("the scene's elements".to_string(), |elements| elements.to_string());
-    let line = |dash, width| Some(Line { dash, width });
-    [
-        Curve { label, points: errors, line: line(Dash::Solid, 1.8), marker: Some(marker), colour },
-        Curve { label: String::new(), points: estimates, line: line(Dash::Dashed, 1.2), marker: None, colour },
-    ]
-    .into_iter()
-    .filter(|curve| !curve.points.is_empty())
-    .collect()
 }

@@ -1,6 +1,7 @@
 //! Measures the distance of a history from its reference, and of a mesh from the finest.
 
 use super::tractions::{Interior, Tractions, relative};
+use serde::Serialize;
 use stickslip::body::ContactNode;
 use stickslip::body::Model;
 use stickslip::solver::State;
@@ -27,7 +28,7 @@ pub struct End {
 
 /// The error of time stepping: the distance to a reference on the same mesh, relative to the reference. Forces are
 /// compared as tractions at the end of the history, in the L2 norm of the contact boundary.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct TimeErrors {
     /// The error of `p_n`.
     pub p_n: f64,
@@ -40,7 +41,7 @@ pub struct TimeErrors {
 }
 
 /// The error of the mesh: the distance to the finest mesh, relative to the finest mesh.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct MeshErrors {
     /// The error of `Σ p_n`.
     pub sum_p_n: f64,
@@ -48,10 +49,10 @@ pub struct MeshErrors {
     pub sum_p_t: f64,
     /// The error of the strain energy.
     pub energy: f64,
-    /// The error of the largest contact pressure.
-    pub peak: f64,
     /// The error of the tractions, L2 norm, without the rim of the contact boundary, see [`Tractions::interior`].
     pub tractions: f64,
+    /// The error of the largest contact pressure.
+    pub peak: f64,
 }
 
 impl End {
@@ -75,6 +76,9 @@ impl End {
 const NOTHING: f64 = 1e-10;
 
 impl TimeErrors {
+    /// No errors, where there is nothing to compare with.
+    pub(super) const UNKNOWN: Self = TimeErrors { p_n: f64::NAN, p_t: f64::NAN, forces: f64::NAN, work: f64::NAN };
+
     /// Measures `end` against `reference`, both with the integration weights `l`.
     pub fn new(end: &End, reference: &End, weight: &[f64]) -> Self {
         let components = [(&end.p_n, &reference.p_n), (&end.p_t, &reference.p_t), (&end.p_o, &reference.p_o)];
@@ -99,6 +103,10 @@ fn square(p: &[f64], weight: &[f64]) -> f64 {
 }
 
 impl MeshErrors {
+    /// No errors, where there is nothing to compare with.
+    pub(super) const UNKNOWN: Self =
+        MeshErrors { sum_p_n: f64::NAN, sum_p_t: f64::NAN, energy: f64::NAN, tractions: f64::NAN, peak: f64::NAN };
+
     /// Returns the error in the energy norm, √|ΔU / U|. This is exact for a body that only loads or supports deform.
     /// With an obstacle it neglects the work of contact forces over gaps.
     pub fn norm(&self) -> f64 {

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use stickslip::algebra::{dot, minus, norm};
 use stickslip::body::ContactNode;
 use stickslip::body::{ContactGraph, Model};
-use stickslip::solver::{ProblemError, State};
+use stickslip::solver::State;
 
 /// The number of elements left out at the rim of the contact boundary, because tractions are singular at edges and
 /// corners of the body.
@@ -29,9 +29,10 @@ pub struct TractionNode {
 /// The contact tractions on all contact boundaries.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tractions {
-    nodes: Vec<TractionNode>,
-    /// The segments (two nodes) or triangles (three nodes) between the nodes.
-    pieces: Vec<Vec<usize>>,
+    /// The contact nodes, n_c.
+    pub nodes: Vec<TractionNode>,
+    /// The facets between the nodes: segments (two nodes) or triangles (three nodes), into which others are divided.
+    pub pieces: Vec<Vec<usize>>,
 }
 
 /// The ends of a segment, or the corners of a triangle.
@@ -54,36 +55,6 @@ impl Interior {
 }
 
 impl Tractions {
-    /// Creates tractions at `nodes`. The `pieces` are the facets between these: segments or triangles, into which other
-    /// facets must be divided.
-    ///
-    /// # Errors
-    /// [`ProblemError`] if a piece has neither two nor three nodes, or a node that does not exist.
-    pub fn new(nodes: Vec<TractionNode>, pieces: Vec<Vec<usize>>) -> Result<Self, ProblemError> {
-        for (k, piece) in pieces.iter().enumerate() {
-            if !(2..=3).contains(&piece.len()) {
-                let (of, reason) = ("nodes", "or three: it is a segment or a triangle");
-                return Err(ProblemError::Length {
-                    array: format!("pieces[{k}]"),
-                    of,
-                    expected: 2,
-                    found: piece.len(),
-                    reason,
-                });
-            }
-            if let Some(i) = piece.iter().position(|&node| node >= nodes.len()) {
-                let (array, value) = (format!("pieces[{k}][{i}]"), piece[i] as f64);
-                return Err(ProblemError::Value { array, value, must: "the number of a node, from 0" });
-            }
-        }
-        Ok(Tractions { nodes, pieces })
-    }
-
-    /// Returns the contact nodes, n_c.
-    pub fn nodes(&self) -> &[TractionNode] {
-        &self.nodes
-    }
-
     /// Returns the tractions of a `state` of `model`.
     pub(super) fn of(model: &Model, state: &State) -> Self {
         let force = |i: usize, k: usize| {
@@ -212,8 +183,6 @@ pub(super) fn relative(value: f64, scale: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
-
     use super::*;
 
     /// Divides a unit square into n × n squares of two triangles each, with a traction that is linear in space.
@@ -231,7 +200,7 @@ mod tests {
             let at_the_rim = [x, y].into_iter().any(|x| x == 0.0 || x == 1.0);
             TractionNode { position, weight: 1.0, value: [1.0 + x, 2.0 * y, x - y], at_the_rim }
         };
-        Tractions::new(positions.into_iter().map(traction).collect(), pieces).unwrap()
+        Tractions { nodes: positions.into_iter().map(traction).collect(), pieces }
     }
 
     #[test]
@@ -264,21 +233,5 @@ mod tests {
         assert!(coarse.nodes.iter().all(|node| within.holds(node.position)));
         assert!(coarse.distance(&fine, &within) < 1e-14);
         assert!(coarse.distance(&Tractions::default(), &within).is_nan());
-    }
-
-    #[test]
-    fn pieces_have_nodes_that_are_there() {
-        let nodes = square(1).nodes;
-        let new = |piece: &[usize]| Tractions::new(nodes.clone(), vec![vec![0, 1], piece.to_vec()]).map(|_| ());
-        assert_eq!(new(&[1, 2, 3]), Ok(()));
-        for (piece, says) in [
-            (&[][..], "pieces[1] has 0 nodes"),
-            (&[0], "pieces[1] has 1 nodes"),
-            (&[0, 1, 2, 3], "pieces[1] has 4 nodes, but must have 2, or three"),
-            (&[3, 4], "pieces[1][1] is 4, but must be the number of a node"),
-        ] {
-            let error = new(piece).unwrap_err().to_string();
-            assert!(error.contains(says), "{error}");
-        }
     }
 }

@@ -1,12 +1,10 @@
 //! The meshes and numbers of increments of a study, from coarse to fine.
 
-use std::fmt;
-
-use stickslip::body::mesh::{Body, HalfPlane, MeshSource, Segment};
+use stickslip::body::mesh::{HalfPlane, MeshSource};
 use stickslip::scene::{Override, Scene};
 
 use super::ConvergeError;
-use crate::compare::{MeshChoice, MeshSize, each, first_elements, multiplied};
+use crate::study::{MeshChoice, MeshSize, each, first_elements, multiplied};
 
 /// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless they are
 /// exact halves.
@@ -21,18 +19,12 @@ const LEAST_INCREMENTS: usize = 4;
 /// The meshes and increments of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ladder {
-    meshes: Meshes,
+    /// Meshes named by the user; if there are none, the elements of the scene times powers of `ratio`, from `first` on.
+    named: Vec<MeshSize>,
+    ratio: f64,
+    first: i32,
     /// The number of increments of the first run.
     first_increments: usize,
-}
-
-/// The meshes.
-#[derive(Debug, Clone, PartialEq)]
-enum Meshes {
-    /// The elements of the scene times a power of `ratio`, beginning with the power `first`.
-    Multiplied { ratio: f64, first: i32 },
-    /// Meshes named by the user.
-    Named(Vec<MeshSize>),
 }
 
 impl Ladder {
@@ -43,27 +35,21 @@ impl Ladder {
     /// When the scene has no meshes of this kind.
     pub fn new(scene: &Scene, named: &[MeshSize], ratio: f64) -> Result<Self, ConvergeError> {
         let mesh = &scene.description.mesh;
-        let meshes = if named.is_empty() {
-            if first_elements(mesh).is_none() {
-                return Err(ConvergeError::NoFinerMesh);
-            }
-            let coarser = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
-            Meshes::Multiplied { ratio, first: -coarser }
-        } else {
-            let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
-            Meshes::Named(each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect())
+        let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
+        let named = match choices.is_empty() {
+            true if first_elements(mesh).is_none() => return Err(ConvergeError::NoFinerMesh),
+            true => Vec::new(),
+            false => each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect(),
         };
+        let coarser = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
         let own = scene.time.increments;
         let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
-        Ok(Ladder { meshes, first_increments })
+        Ok(Ladder { named, ratio, first: -coarser, first_increments })
     }
 
     /// Returns the number of meshes; `None` for any number.
     pub fn meshes(&self) -> Option<usize> {
-        match &self.meshes {
-            Meshes::Multiplied { .. } => None,
-            Meshes::Named(named) => Some(named.len()),
-        }
+        Some(self.named.len()).filter(|&number| number > 0)
     }
 
     /// Returns the number of increments of `level`.
@@ -71,45 +57,41 @@ impl Ladder {
         self.first_increments << level
     }
 
+    fn size(&self, level: usize) -> MeshSize {
+        match (self.named.get(level), self.first + level as i32) {
+            (Some(named), _) => named.clone(),
+            (None, 0) => MeshSize::Own,
+            (None, power) => MeshSize::Times(self.ratio.powi(power)),
+        }
+    }
+
     /// Returns `true` if mesh `level` is the scene's own.
     pub fn is_own(&self, level: usize, mesh: &MeshSource) -> bool {
-        match &self.meshes {
-            Meshes::Multiplied { first, .. } => first + level as i32 == 0,
-            Meshes::Named(named) => match &named[level] {
-                MeshSize::Own => true,
-                MeshSize::Elements(n) => first_elements(mesh) == Some(*n),
-                MeshSize::File(file) => matches!(mesh, MeshSource::File { file: own, .. } if own.ends_with(file)),
-            },
+        match self.size(level) {
+            MeshSize::Own => true,
+            MeshSize::Times(_) => false,
+            MeshSize::Elements(n) => first_elements(mesh) == Some(n),
+            MeshSize::File(file) => matches!(mesh, MeshSource::File { file: own, .. } if own.ends_with(file)),
         }
     }
 
     /// Returns `true` if mesh `level` is coarser than the scene's, or one of the named that has a finer one.
     pub fn is_coarse(&self, level: usize) -> bool {
-        match &self.meshes {
-            Meshes::Multiplied { first, .. } => first + (level as i32) < 0,
-            Meshes::Named(named) => level + 1 < named.len(),
-        }
+        self.meshes().map_or(self.first + (level as i32) < 0, |number| level + 1 < number)
     }
 
     /// Returns the overrides that give `scene` the mesh `level`.
     pub fn mesh(&self, scene: &Scene, level: usize) -> Vec<Override> {
-        let mesh = &scene.description.mesh;
-        match &self.meshes {
-            Meshes::Multiplied { first, .. } if *first + level as i32 == 0 => Vec::new(),
-            Meshes::Multiplied { ratio, first } => multiplied(mesh, ratio.powi(first + level as i32)),
-            Meshes::Named(named) => MeshChoice::from(named[level].clone()).overrides(mesh),
-        }
+        MeshChoice::from(self.size(level)).overrides(&scene.description.mesh)
     }
 
     /// Returns the factor by which the next mesh after `level` has more elements along an axis; `None` if there is none,
     /// or its size is not known before it is read.
     pub fn growth(&self, level: usize) -> Option<f64> {
-        match &self.meshes {
-            Meshes::Multiplied { ratio, .. } => Some(*ratio),
-            Meshes::Named(named) => match (named.get(level)?, named.get(level + 1)?) {
-                (MeshSize::Elements(n), MeshSize::Elements(next)) => Some(*next as f64 / *n as f64),
-                _ => None,
-            },
+        match (self.named.get(level), self.named.get(level + 1)) {
+            _ if self.named.is_empty() => Some(self.ratio),
+            (Some(MeshSize::Elements(n)), Some(MeshSize::Elements(next))) => Some(*next as f64 / *n as f64),
+            _ => None,
         }
     }
 }
@@ -134,30 +116,19 @@ fn is_halved(mesh: &MeshSource, share: f64) -> bool {
     })
 }
 
-/// The numbers of elements of a mesh, as in the scene: `[80, 40]`.
-pub(super) struct Numbers<'a>(pub &'a MeshSource);
-
-impl fmt::Display for Numbers<'_> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let join = |parts: Vec<String>| parts.join(", ");
-        match self.0 {
-            MeshSource::Block { axes, .. } => {
-                let along = |axis: &Vec<Segment>| {
-                    let counts: Vec<String> = axis.iter().map(|segment| segment.elements.to_string()).collect();
-                    if counts.len() == 1 { counts[0].clone() } else { format!("[{}]", join(counts)) }
-                };
-                write!(f, "[{}]", join(axes.iter().map(along).collect()))
-            }
-            MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
-                write!(f, "{contact_elements} + {outer_elements}, {layers} layers")
-            }
-            MeshSource::File { file, .. } => write!(f, "{}", file.display()),
-            MeshSource::Given(_) => f.write_str("the mesh in memory"),
-            MeshSource::Bodies(bodies) => {
-                let each = bodies.iter().map(|Body { mesh, .. }| Numbers(mesh).to_string()).collect::<Vec<_>>();
-                f.write_str(&each.join(" "))
-            }
+/// Names a mesh by its numbers of elements, as in the scene: `[80, 40]`.
+pub(super) fn name(mesh: &MeshSource) -> String {
+    match mesh {
+        MeshSource::Block { .. } => {
+            let [elements] = &multiplied(mesh, 1.0)[..] else { return String::new() };
+            elements.to_string().trim_start_matches("mesh.elements=").to_string()
         }
+        MeshSource::HalfPlane(HalfPlane { contact_elements, outer_elements, layers, .. }) => {
+            format!("{contact_elements} + {outer_elements}, {layers} layers")
+        }
+        MeshSource::File { file, .. } => file.display().to_string(),
+        MeshSource::Given(_) => "the mesh in memory".to_string(),
+        MeshSource::Bodies(bodies) => bodies.iter().map(|body| name(&body.mesh)).collect::<Vec<_>>().join(" "),
     }
 }
 
@@ -177,7 +148,7 @@ mod tests {
         let ladder = Ladder::new(scene, &[], ratio).unwrap();
         [0, 1, 2, 3].map(|level| {
             let scene = scene.with(&ladder.mesh(scene, level)).unwrap();
-            Numbers(&scene.description.mesh).to_string()
+            name(&scene.description.mesh)
         })
     }
 

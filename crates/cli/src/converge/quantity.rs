@@ -1,25 +1,21 @@
-//! The quantities whose convergence can be asked for, and their values in the report of a run.
+//! The quantities whose convergence can be asked for.
 
 use std::fmt;
 use std::str::FromStr;
 
-use serde::Serialize;
-
-use stickslip::base::Quantity;
+use serde_json::Value;
+use stickslip::body::Description;
 use stickslip::run::report::RunReport;
 
-/// A quantity of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Sought {
-    /// The largest contact pressure of the history, Pa.
-    Peak,
-    /// The largest resultant of the contact forces of a boundary in the history, N.
-    Force,
-    /// The friction work of the whole history, J.
-    FrictionWork,
-    /// The width of the stick zone as a share of the width of the contact, at the largest tangential force.
-    StickRatio,
+use crate::study::{KEY_RESULTS, KeyResult, Places, TableQuantity};
+
+/// A quantity of a run: a key result by its word, or any number that a sweep can show.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sought {
+    /// The word, as it was given.
+    pub word: String,
+    /// The quantity.
+    pub of: TableQuantity,
 }
 
 /// Narrower zones have no peak that says anything about finer meshes.
@@ -29,67 +25,56 @@ const FINE_FOR_PEAK: usize = 5;
 const FINE_FOR_STICK: f64 = 1.0 / (3.0 * 9.0);
 
 impl Sought {
-    /// All quantities.
-    pub const ALL: [Sought; 4] = [Sought::Peak, Sought::Force, Sought::FrictionWork, Sought::StickRatio];
-
-    /// Returns the name on the command line.
-    pub fn key(self) -> &'static str {
-        match self {
-            Sought::Peak => "peak",
-            Sought::Force => "force",
-            Sought::FrictionWork => "friction_work",
-            Sought::StickRatio => "stick_ratio",
-        }
+    fn known(&self) -> Option<&'static KeyResult> {
+        KEY_RESULTS.iter().find(|result| result.key == self.of.text())
     }
 
-    /// Returns the kind of its unit.
-    pub fn quantity(self) -> Quantity {
-        match self {
-            Sought::Peak => Quantity::Stress,
-            Sought::Force => Quantity::Force,
-            Sought::FrictionWork => Quantity::Energy,
-            Sought::StickRatio => Quantity::Number,
-        }
+    /// Returns it completed with what acts at its place in a scene.
+    pub(super) fn at(&self, description: &Description) -> Result<Self, String> {
+        let mut places = Places::default();
+        places.add(description);
+        Ok(Sought { of: self.of.at(&places, true)?, ..self.clone() })
     }
 
-    /// Returns the value in `report`, SI; `None` if the run has none.
-    pub fn value(self, report: &RunReport) -> Option<f64> {
-        match self {
-            Sought::Peak => report.largest_pressure.as_ref()?.pressure,
-            Sought::Force => Some(report.largest_force.as_ref()?.magnitude),
-            Sought::FrictionWork => Some(report.friction.as_ref()?.friction_work),
-            Sought::StickRatio => Some(report.stick_zone.as_ref()?.ratio),
-        }
+    /// Returns `true` if it is the largest contact pressure of the history.
+    pub(super) fn is_peak(&self) -> bool {
+        self.known().is_some_and(|result| result.word == "peak")
+    }
+
+    /// Returns the value in a report, in the units of the report; `None` if the run has none.
+    pub(super) fn value(&self, report: &Value) -> Option<f64> {
+        self.of.of(report).as_f64()
+    }
+
+    /// Returns the words of the key results that a report has.
+    pub(super) fn there(report: &Value) -> Vec<&'static str> {
+        let words = KEY_RESULTS.iter().map(|result| result.word);
+        words.filter(|word| word.parse().is_ok_and(|sought: Sought| sought.value(report).is_some())).collect()
     }
 
     /// Returns the error of the value by rounding to whole elements: half an element at each end of the stick zone, three
     /// times the typical error.
-    pub(super) fn rounding(self, report: &RunReport) -> f64 {
-        let stick = report.stick_zone.as_ref().filter(|_| self == Sought::StickRatio);
-        stick.map_or(0.0, |stick| 3.0 * stick.uncertainty)
+    pub(super) fn rounding(&self, report: &RunReport) -> f64 {
+        let is_stick = self.known().is_some_and(|result| result.word == "stick_ratio");
+        report.stick_zone.as_ref().filter(|_| is_stick).map_or(0.0, |stick| 3.0 * stick.uncertainty)
     }
 
     /// Returns `true` if the contact has enough nodes across for the value to follow an order.
-    pub(super) fn is_resolved(self, report: &RunReport) -> bool {
-        match self {
-            Sought::Peak => {
+    pub(super) fn is_resolved(&self, report: &RunReport) -> bool {
+        match self.known().map(|result| result.word) {
+            Some("peak") => {
                 let across = report.largest_pressure.as_ref().and_then(|largest| largest.nodes_across);
                 across.is_none_or(|across| across >= FINE_FOR_PEAK)
             }
-            Sought::StickRatio => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
-            Sought::Force | Sought::FrictionWork => true,
+            Some("stick_ratio") => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
+            _ => true,
         }
     }
 }
 
 impl fmt::Display for Sought {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Sought::Peak => "peak pressure",
-            Sought::Force => "contact force",
-            Sought::FrictionWork => "friction work",
-            Sought::StickRatio => "stick ratio",
-        })
+        f.write_str(self.known().map_or(&self.word, |result| result.name))
     }
 }
 
@@ -97,7 +82,11 @@ impl FromStr for Sought {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let known = Sought::ALL.iter().find(|sought| sought.key() == text);
-        known.copied().ok_or_else(|| format!("the quantities are {}", Sought::ALL.map(Sought::key).join(", ")))
+        let known = KEY_RESULTS.iter().find(|result| result.word == text);
+        let of = known.map_or(text, |result| result.key).parse().map_err(|error| {
+            let words = KEY_RESULTS.map(|result| result.word).join(", ");
+            format!("the quantities are {words}, and those of sweep --table: {error}")
+        })?;
+        Ok(Sought { word: text.to_string(), of })
     }
 }

@@ -2,8 +2,6 @@
 
 use std::time::Instant;
 
-use stickslip::run::RunError;
-
 use super::extrapolation::{Behaviour, Limit, is_singular, limit};
 use super::{ConvergeError, Ladder, Verdict};
 
@@ -25,9 +23,9 @@ const ERRATIC: f64 = 0.2;
 /// The exponent by which the time grows with the number of elements: its range, and its value before it is measured.
 const GROWTH_OF_TIME: [f64; 3] = [1.0, 1.5, 2.5];
 
-/// The limits of a study.
+/// The aim and the limits of a study.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Limits {
+pub struct Limits {
     /// The share to which the quantity is to be known.
     pub to: f64,
     /// The largest number of runs.
@@ -36,13 +34,15 @@ pub(super) struct Limits {
     pub within: f64,
 }
 
-/// A solved run.
+/// A run of a study.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub(super) struct Solved {
+pub struct Step {
+    /// The level of the mesh.
+    pub level: usize,
     /// The name of the mesh.
     pub mesh: String,
-    /// The parts of the run that are the scene's own.
-    pub own: Own,
+    /// `true` if the mesh is the scene's own.
+    pub is_own_mesh: bool,
     /// The number of elements.
     pub elements: usize,
     /// The number of elements, where one of second order counts as those of first order with its nodes.
@@ -65,27 +65,6 @@ pub(super) struct Solved {
     pub failure: Option<String>,
     /// Wall time, s.
     pub seconds: f64,
-}
-
-/// The parts of a run that are the scene's own.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) enum Own {
-    /// Not the mesh.
-    #[default]
-    No,
-    /// The mesh.
-    Mesh,
-    /// The mesh and the increments.
-    Whole,
-}
-
-/// A run of a study.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Step {
-    /// The run.
-    pub(super) run: Solved,
-    /// The level of the mesh.
-    pub(super) mesh: usize,
 }
 
 /// The errors of the last run of a study.
@@ -128,13 +107,18 @@ impl Errors {
     }
 }
 
-/// An ended study.
+/// The end of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Ended {
+pub struct Ended {
+    /// The verdict.
     pub verdict: Verdict,
+    /// The reason why a run or the study ended early; empty otherwise.
     pub reason: String,
+    /// The runs, in order.
     pub steps: Vec<Step>,
+    /// The estimated errors of the last run; `None` for fewer than two runs.
     pub errors: Option<Errors>,
+    /// The predicted time of the next run, s, if it is the reason for the end.
     pub predicted: Option<f64>,
 }
 
@@ -160,64 +144,59 @@ pub(super) struct Series {
 /// one on, without a value, or with `resolved` at the first one with too few nodes across.
 pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
     let mut series = Series::default();
-    let usable = |step: &Step| step.run.value.filter(|_| !resolved || step.run.is_resolved);
+    let usable = |step: &Step| step.value.filter(|_| !resolved || step.is_resolved);
     let Some(last) = steps.len().checked_sub(1) else { return series };
     let Some(mut value) = usable(&steps[last]) else { return series };
     let size = |step: &Step| {
-        if of_mesh {
-            step.run.fineness.powf(-1.0 / step.run.dimension.max(1) as f64)
-        } else {
-            1.0 / step.run.increments as f64
-        }
+        if of_mesh { step.fineness.powf(-1.0 / step.dimension.max(1) as f64) } else { 1.0 / step.increments as f64 }
     };
-    series.sizes.push(size(&steps[last]));
-    series.values.push(value);
-    series.steps.push(last);
+    let mut points = vec![(size(&steps[last]), value, last)];
     for (k, pair) in steps.windows(2).enumerate().rev() {
         let (Some(before), Some(after)) = (usable(&pair[0]), usable(&pair[1])) else { break };
-        if (pair[0].mesh == pair[1].mesh) == of_mesh {
+        if (pair[0].level == pair[1].level) == of_mesh {
             // The step before refined the other kind: it is an earlier run of the same level.
-            if let Some(first) = series.steps.last_mut() {
-                *first = k;
-            }
+            points.last_mut().into_iter().for_each(|(_, _, step)| *step = k);
             continue;
         }
         value -= after - before;
-        series.sizes.push(size(&pair[0]));
-        series.values.push(value);
-        series.steps.push(k);
+        points.push((size(&pair[0]), value, k));
     }
-    series.sizes.reverse();
-    series.values.reverse();
-    series.steps.reverse();
+    for (size, value, step) in points.into_iter().rev() {
+        series.sizes.push(size);
+        series.values.push(value);
+        series.steps.push(step);
+    }
     series
 }
 
-/// Refines until the value is known, calling `solve` with the levels of mesh and increments.
+/// Solves, after the steps so far, with these levels of mesh and increments.
+type Solve<'a> = dyn FnMut(&[Step], usize, usize) -> Result<Step, ConvergeError> + 'a;
+
+/// Refines until the value is known, calling `solve` with the steps so far and the levels of mesh and increments.
 pub(super) fn refine(
     ladder: &Ladder,
     limits: Limits,
     may_be_singular: bool,
-    solve: &mut dyn FnMut(usize, usize) -> Result<Solved, ConvergeError>,
+    solve: &mut Solve<'_>,
 ) -> Result<Ended, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
     let mut steps: Vec<Step> = Vec::new();
     let mut predicted = None;
     let (verdict, reason) = loop {
-        match solve(mesh, increments) {
-            Ok(run) => steps.push(Step { run, mesh }),
-            Err(ConvergeError::Run(error)) if is_for_lack_of_memory(&error) && !steps.is_empty() => {
+        match solve(&steps, mesh, increments) {
+            Ok(step) => steps.push(step),
+            Err(ConvergeError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
             Err(error) => return Err(error),
         }
-        if let Some(reason) = steps.last().and_then(|step| step.run.failure.clone()) {
+        if let Some(reason) = steps.last().and_then(|step| step.failure.clone()) {
             break (Verdict::NotConverged, reason);
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
-            let doubt = steps.last().and_then(|step| step.run.doubt.clone());
+            let doubt = steps.last().and_then(|step| step.doubt);
             break (doubt.unwrap_or(Verdict::Known), String::new());
         }
         if may_be_singular && grows(&steps) {
@@ -247,13 +226,9 @@ pub(super) fn refine(
     Ok(Ended { verdict, reason, steps, errors, predicted })
 }
 
-fn is_for_lack_of_memory(error: &RunError) -> bool {
-    !error.is_of_the_input()
-}
-
 /// Returns the errors of the last run; `None` without a value.
 fn errors(steps: &[Step]) -> Option<Errors> {
-    let last = &steps.last()?.run;
+    let last = steps.last()?;
     let value = last.value?;
     let of = |of_mesh: bool, resolved: bool| {
         let Series { sizes, values, .. } = series(steps, of_mesh, resolved);
@@ -265,7 +240,7 @@ fn errors(steps: &[Step]) -> Option<Errors> {
 
 fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
     let Some(total) = errors.and_then(Errors::total) else { return false };
-    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let enough = series(steps, true, true).values.len() >= MESHES
         && (!follows_path || errors.is_some_and(|errors| errors.increments.is_some()));
     enough && total <= to
@@ -281,7 +256,7 @@ fn grows(steps: &[Step]) -> bool {
     if n >= GROWING && is_singular(&sizes, &values) && is_singular(&sizes[..n - 1], &values[..n - 1]) {
         return true;
     }
-    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].run.doubt == Some(Verdict::Singular));
+    let flagged = n >= MESHES && at[n - 2..].iter().all(|&k| steps[k].doubt == Some(Verdict::Singular));
     flagged
         && values[n - 1] > values[n - 2]
         && limit(&sizes, &values).is_some_and(|limit| {
@@ -294,7 +269,7 @@ fn grows(steps: &[Step]) -> bool {
 fn is_erratic(steps: &[Step]) -> bool {
     let Series { values, steps: at, .. } = series(steps, true, false);
     let n = values.len();
-    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].run.is_resolved).count() < 2 {
+    if n <= GROWING || at[n - GROWING..].iter().filter(|&&k| steps[k].is_resolved).count() < 2 {
         return false;
     }
     let changes: Vec<f64> = values[n - GROWING - 1..].windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
@@ -304,7 +279,7 @@ fn is_erratic(steps: &[Step]) -> bool {
 
 /// Returns what to refine: first both until each has an error, then the one with the larger error.
 fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
-    let follows_path = steps.last().is_some_and(|step| step.run.follows_path);
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let number = |of_mesh, resolved| series(steps, of_mesh, resolved).values.len();
     let (meshes, increments) = (number(true, true), number(false, false));
     if !follows_path || meshes < 2 {
@@ -323,12 +298,12 @@ fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
 /// Returns the expected time of the next run, s, from the last ones. `growth` is the factor of the elements along an
 /// axis; without it a finer mesh has no prediction.
 fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
-    let last = &steps.last()?.run;
+    let last = steps.last()?;
     if next == Refined::Increments {
         return Some(2.0 * last.seconds);
     }
-    let cost = |run: &Solved| run.seconds / run.increments as f64;
-    let before = steps.iter().rev().map(|step| &step.run).find(|run| run.fineness < last.fineness);
+    let cost = |run: &Step| run.seconds / run.increments as f64;
+    let before = steps.iter().rev().find(|run| run.fineness < last.fineness);
     let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.fineness / run.fineness).ln());
     let [least, usual, most] = GROWTH_OF_TIME;
     let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
@@ -343,14 +318,15 @@ mod tests {
     use stickslip::scene::Scene;
 
     /// Refines a manufactured value of the element size h and the length of increments k, both halved each time.
-    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Solved, f64)) -> Ended {
+    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> Ended {
         let text = include_str!("../../../../data/scenes/block.toml");
         let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
         let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();
         let limits = Limits { to, most_runs: 12, within: 1e9 };
-        refine(&ladder, limits, true, &mut |mesh, level| {
+        refine(&ladder, limits, true, &mut |_, mesh, level| {
             let [h, k] = [mesh, level].map(|level| 0.5_f64.powi(level as i32));
-            let mut run = Solved {
+            let mut run = Step {
+                level: mesh,
                 elements: 4 << (2 * mesh),
                 fineness: 4.0 / (h * h),
                 dimension: 2,
@@ -359,7 +335,7 @@ mod tests {
                 is_resolved: true,
                 follows_path: true,
                 seconds: 1.0,
-                ..Solved::default()
+                ..Step::default()
             };
             more(&mut run, h);
             Ok(run)
@@ -387,7 +363,7 @@ mod tests {
     #[test]
     fn without_a_path_only_the_mesh_is_refined() {
         let ended = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);
-        let increments: Vec<usize> = ended.steps.iter().map(|step| step.run.increments).collect();
+        let increments: Vec<usize> = ended.steps.iter().map(|step| step.increments).collect();
         assert_eq!((ended.verdict, increments), (Verdict::Known, vec![4; 3]));
         assert_eq!(ended.errors.unwrap().increments, None);
     }
@@ -398,12 +374,12 @@ mod tests {
         for (seen, meshes) in [(false, 4), (true, 3)] {
             let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.doubt = seen.then_some(Verdict::Singular));
             assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
-            assert_eq!(ended.steps.last().unwrap().mesh + 1, meshes);
+            assert_eq!(ended.steps.last().unwrap().level + 1, meshes);
         }
         // Elements of second order: up and down.
         let erratic = |h: f64, _: f64| if (1.0 / h).log2() as i32 % 2 == 0 { 370.0 } else { 3250.0 } / h.sqrt();
         let ended = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
-        assert_eq!((ended.verdict, ended.steps.last().unwrap().mesh), (Verdict::Singular, 4));
+        assert_eq!((ended.verdict, ended.steps.last().unwrap().level), (Verdict::Singular, 4));
         // A contact of one node on all meshes.
         let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
         assert_eq!(narrow.verdict, Verdict::RunLimit);

@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::profile::Profile;
 use super::report::{ProblemReport, Verdict};
-use stickslip::run::report::{SCHEMA_VERSION, csv_number, csv_table};
+use crate::study::{csv, distinct, record};
+use serde_json::json;
+use stickslip::run::report::{SCHEMA_VERSION, csv_number};
 use stickslip_output::Table;
 
 /// The results of a folder.
@@ -52,22 +54,6 @@ pub struct Row {
     pub message: String,
 }
 
-/// The columns of the CSV file.
-const COLUMNS: [&str; 12] = [
-    "file",
-    "way",
-    "form",
-    "dimension",
-    "contacts",
-    "unknowns",
-    "status",
-    "residual",
-    "stage",
-    "iterations",
-    "cpu_seconds",
-    "message",
-];
-
 impl Row {
     /// Returns the row of a problem solved by `way`.
     pub fn of(report: &ProblemReport, way: &str) -> Self {
@@ -91,18 +77,12 @@ impl Row {
     pub fn failed(file: &str, way: &str, status: Verdict, message: String) -> Self {
         Row { file: file.to_string(), way: way.to_string(), status, message, ..Row::default() }
     }
-
-    fn residual(&self, told: impl Fn(f64) -> String) -> String {
-        self.residual.map(told).unwrap_or_default()
-    }
 }
 
 impl Collection {
     /// Collects these rows. Rows of one file have the same name.
     pub fn new(rows: Vec<Row>) -> Self {
-        let mut files: Vec<&str> = rows.iter().map(|row| row.file.as_str()).collect();
-        files.sort_unstable();
-        files.dedup();
+        let files = distinct(rows.iter().map(|row| row.file.as_str()));
         let is_solved = |file: &&&str| rows.iter().any(|row| row.file == **file && row.status == Verdict::Solved);
         let solved = files.iter().filter(is_solved).count();
         let cpu_seconds = rows.iter().map(|row| row.cpu_seconds).sum();
@@ -120,7 +100,7 @@ impl Collection {
             let of_a_problem = |x: usize| if row.form.is_empty() { String::new() } else { x.to_string() };
             let mut fields = vec![
                 row.status.to_string(),
-                row.residual(|residual| format!("{residual:.1e}")),
+                row.residual.map_or(String::new(), |residual| format!("{residual:.1e}")),
                 row.iterations.to_string(),
                 format!("{:.3}", row.cpu_seconds),
                 of_a_problem(row.contacts),
@@ -144,23 +124,12 @@ impl Collection {
 
     /// Formats the table as CSV, one line per row.
     pub fn to_csv(&self) -> String {
-        let fields = |row: &Row| {
-            vec![
-                row.file.clone(),
-                row.way.clone(),
-                row.form.clone(),
-                row.dimension.to_string(),
-                row.contacts.to_string(),
-                row.unknowns.to_string(),
-                row.status.to_string(),
-                row.residual(csv_number),
-                row.stage.clone(),
-                row.iterations.to_string(),
-                csv_number(row.cpu_seconds),
-                row.message.clone(),
-            ]
+        let of_row = |row: &Row| {
+            let mut values = json!(row);
+            values["message"] = row.message.as_str().into();
+            record(values)
         };
-        csv_table(&COLUMNS, self.rows.iter().map(fields))
+        csv(&self.rows.iter().map(of_row).collect::<Vec<_>>(), |_, x| csv_number(x))
     }
 
     /// Returns the performance profile of the solvers, by CPU time, over the files that were read.

@@ -11,8 +11,9 @@
 
 use std::collections::BTreeMap;
 
+use crate::study::{DASHES, curve};
 use stickslip::run::report::{csv_number, csv_table};
-use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, told_apart};
+use stickslip_output::{Axis, Chart, Curve, Line, Panel, Scale};
 
 /// The smallest time that can be measured reliably, s.
 const LEAST: f64 = 1e-4;
@@ -24,8 +25,6 @@ pub struct Profile {
     /// The time (s) by problem, then by solver; `None` if not solved.
     times: BTreeMap<String, Vec<Option<f64>>>,
 }
-
-const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
 impl Profile {
     /// Adds the time of `solver` for `problem`, s; `None` if not solved.
@@ -85,8 +84,7 @@ impl Profile {
             steps.push([last, top]);
             let steps = steps.into_iter().filter(|point| point.iter().all(|x| x.is_finite())).collect();
             let line = Some(Line { dash: DASHES[k % DASHES.len()], width: 1.8 });
-            let label = format!("{solver} ({})", points.len());
-            Curve { label, points: steps, line, marker: None, colour: told_apart(k).0 }
+            Curve { line, marker: None, ..curve(k, format!("{solver} ({})", points.len()), steps) }
         };
         Chart {
             title: title.to_string(),

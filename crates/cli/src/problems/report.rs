@@ -22,12 +22,7 @@ pub enum Verdict {
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Verdict::Solved => "solved",
-            Verdict::NotSolved => "not-solved",
-            Verdict::BadInput => "bad-input",
-            Verdict::MachineFailure => "machine-failure",
-        })
+        self.serialize(f)
     }
 }
 

@@ -1,163 +1,83 @@
 //! The result of a variant, read from the report of its run.
 
 use std::collections::BTreeMap;
-use std::fmt;
 
-use serde::de::{DeserializeSeed, IgnoredAny, MapAccess, Visitor};
-use serde::{Deserialize, Deserializer, Serialize};
-use serde_json::{Map, Value};
+use serde_json::value::RawValue;
+use serde_json::{Map, Value, json};
 
-use super::quantity::TableQuantity;
-use stickslip::run::report::{LargestPressure, Resultant};
+use crate::study::TableQuantity;
 
 /// The result of a variant.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(from = "Report")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct VariantResult {
     /// The verdict, or the reason why there is none: `bad-input`, `machine-failure`, `bug`.
     pub status: String,
     /// The text of the scene that was run; `None` without a report.
-    #[serde(skip_serializing)]
     pub scene_text: Option<String>,
-    /// The reason why the run ended early; empty if it did not.
-    pub reason: String,
-    /// The number of increments that converged.
-    pub converged: usize,
-    /// The number of linear systems solved by the method.
-    pub iterations: usize,
-    /// Wall time, s; `None` without a report.
-    pub seconds: Option<f64>,
-    /// The largest error of any law in any increment; `None` if it is not finite, or without increments.
-    pub error: Option<f64>,
-    /// The largest contact pressure of all increments.
-    pub largest_pressure: Option<LargestPressure>,
-    /// The kinds of the warnings of the run.
-    pub warnings: Vec<String>,
-    /// The resultant on each obstacle at the end of the last converged increment.
-    pub boundaries: Vec<Resultant>,
-    /// The quantities of the table and the chart: numbers in the units of the report, texts, or null.
-    pub quantities: Map<String, Value>,
-}
-
-/// The part of `run.json` that is needed, or of the printed failure if there is no report.
-#[derive(Deserialize)]
-struct Report {
-    status: String,
-    scene_text: Option<String>,
-    #[serde(default, alias = "message")]
-    reason: String,
-    help: Option<String>,
-    #[serde(default)]
-    increments: Vec<Increment>,
-    totals: Option<Totals>,
-    largest_pressure: Option<LargestPressure>,
-    #[serde(default)]
-    warnings: Vec<Told>,
-    #[serde(default)]
-    boundaries: Vec<Resultant>,
-}
-
-#[derive(Deserialize)]
-struct Told {
-    kind: String,
-}
-
-#[derive(Deserialize)]
-struct Increment {
-    status: String,
-    kkt: BTreeMap<String, Option<f64>>,
-}
-
-#[derive(Deserialize)]
-struct Totals {
-    iterations: usize,
-    wall_seconds: Option<f64>,
-}
-
-impl From<Report> for VariantResult {
-    fn from(report: Report) -> Self {
-        let Report { status, scene_text, reason, help, increments, totals, largest_pressure, warnings, boundaries } =
-            report;
-        let errors = increments.iter().flat_map(|increment| increment.kkt.values());
-        // `None` if there is no error, or one of them is no number.
-        let error = errors.copied().collect::<Option<Vec<f64>>>().and_then(|all| all.into_iter().reduce(f64::max));
-        VariantResult {
-            reason: help.map_or(reason.clone(), |help| format!("{reason}; {help}")),
-            converged: increments.iter().filter(|increment| increment.status == "converged").count(),
-            iterations: totals.as_ref().map_or(0, |totals| totals.iterations),
-            seconds: totals.and_then(|totals| totals.wall_seconds),
-            error,
-            status,
-            scene_text,
-            largest_pressure,
-            warnings: warnings.into_iter().map(|warning| warning.kind).collect(),
-            boundaries,
-            quantities: Map::new(),
-        }
-    }
-}
-
-/// Reads only these keys of an object: the lists of the increments of a long run take much memory.
-struct Parts<'a>(&'a [&'a str]);
-
-impl<'de> DeserializeSeed<'de> for Parts<'_> {
-    type Value = Map<String, Value>;
-
-    fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Self::Value, D::Error> {
-        deserializer.deserialize_map(self)
-    }
-}
-
-impl<'de> Visitor<'de> for Parts<'_> {
-    type Value = Map<String, Value>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("an object")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
-        let mut parts = Map::new();
-        while let Some(key) = map.next_key::<String>()? {
-            if self.0.contains(&key.as_str()) {
-                parts.insert(key, map.next_value()?);
-            } else {
-                map.next_value::<IgnoredAny>()?;
-            }
-        }
-        Ok(parts)
-    }
+    /// What is told of it, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
+    /// `largest_pressure`, `warnings`, `boundaries`, and the `quantities` of table and chart, as far as the run has them.
+    pub told: Value,
 }
 
 impl VariantResult {
     /// Reads a report, or a printed failure, with the values of `quantities`. Returns `None` if the text is neither.
     pub fn read(report: &str, quantities: &[TableQuantity]) -> Option<Self> {
-        let mut reader = serde_json::Deserializer::from_str(report);
-        let roots: Vec<&str> = quantities.iter().map(TableQuantity::root).collect();
-        let parts = Value::Object(Parts(&roots).deserialize(&mut reader).ok()?);
-        let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(&parts))).collect();
-        Some(VariantResult { quantities: values, ..serde_json::from_str(report).ok()? })
-    }
-
-    /// Returns the value of a quantity if it is a number.
-    pub fn number(&self, quantity: &TableQuantity) -> Option<f64> {
-        self.quantities.get(quantity.text())?.as_f64()
+        let mut parts: BTreeMap<String, &RawValue> = serde_json::from_str(report).ok()?;
+        // The lists of the increments of a long run take much memory.
+        let is_long = |key: &String| ["increments", "forces", "reactions"].contains(&key.as_str());
+        parts.retain(|key, _| !is_long(key) || quantities.iter().any(|quantity| quantity.root() == key));
+        let report = serde_json::to_value(parts).ok()?;
+        Some(Self::of(report["status"].as_str()?, &report, quantities))
     }
 
     /// Returns the result of a variant without a report.
-    pub fn failed(status: &str, reason: String) -> Self {
-        VariantResult {
-            status: status.to_string(),
-            scene_text: None,
-            reason,
-            converged: 0,
-            iterations: 0,
-            seconds: None,
-            error: None,
-            largest_pressure: None,
-            warnings: Vec::new(),
-            boundaries: Vec::new(),
-            quantities: Map::new(),
-        }
+    pub fn failed(status: &str, reason: &str) -> Self {
+        Self::of(status, &json!({ "reason": reason }), &[])
+    }
+
+    fn of(status: &str, report: &Value, quantities: &[TableQuantity]) -> Self {
+        let text = |key: &str| report[key].as_str();
+        let reason = text("reason").or(text("message")).unwrap_or_default();
+        let totals = &report["totals"];
+        let [converged, iterations] = ["converged", "iterations"].map(|key| totals[key].as_u64().unwrap_or(0));
+        let laws = totals["kkt"].as_object().filter(|_| converged + iterations > 0);
+        // `None` if one of the errors is no number.
+        let errors = laws.and_then(|laws| laws.values().map(Value::as_f64).collect::<Option<Vec<f64>>>());
+        let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
+        let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(report)));
+        let told = json!({
+            "status": status,
+            "reason": text("help").map_or(reason.to_string(), |help| format!("{reason}; {help}")),
+            "converged": converged,
+            "iterations": iterations,
+            "seconds": totals["wall_seconds"],
+            "error": errors.and_then(|all| all.into_iter().reduce(f64::max)),
+            "largest_pressure": report["largest_pressure"],
+            "warnings": list("warnings").iter().map(|warning| &warning["kind"]).collect::<Vec<_>>(),
+            "boundaries": list("boundaries"),
+            "quantities": values.collect::<Map<_, _>>(),
+        });
+        VariantResult { status: status.to_string(), scene_text: text("scene_text").map(String::from), told }
+    }
+
+    /// Returns the value of a quantity.
+    pub fn value(&self, quantity: &TableQuantity) -> &Value {
+        &self.told["quantities"][quantity.text()]
+    }
+
+    /// Returns the kinds of the warnings of the run.
+    pub fn warnings(&self) -> impl Iterator<Item = &str> {
+        self.told["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str)
+    }
+
+    /// Returns the resultants on the obstacles at the end of the last converged increment.
+    pub(super) fn boundaries(&self) -> impl Iterator<Item = &Value> {
+        self.told["boundaries"].as_array().into_iter().flatten()
+    }
+
+    /// Returns the reason why the run ended early; empty if it did not.
+    pub fn reason(&self) -> &str {
+        self.told["reason"].as_str().unwrap_or_default()
     }
 
     /// Returns `true` if all increments converged.

@@ -11,7 +11,7 @@ impl Sweep {
         let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
         let verdict = format!("{} variants, {converged} converged", self.variants.len());
         let class = if converged == self.variants.len() { "good" } else { "bad" };
-        let program = format!("stickslip {} &middot; {}", self.program_version, escaped(&self.scene));
+        let program = format!("stickslip {} &middot; {}", env!("CARGO_PKG_VERSION"), escaped(&self.scene));
         let parts = [
             ("/*STYLE*/", include_str!("page/page.css")),
             ("<!--TITLE-->", &escaped(&self.title)),

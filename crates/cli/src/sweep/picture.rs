@@ -1,9 +1,9 @@
 //! Charts of a sweep: a quantity, usually the largest contact pressure, over the key that varies first.
 
 use super::table::{Row, Sweep};
-use stickslip_output::{Axis, Chart, Curve, Dash, Line, Marker, Panel, Scale, told_apart};
-
-const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
+use crate::study::{TableQuantity, grouped};
+use serde_json::Value;
+use stickslip_output::{Axis, Chart, Marker, Panel, Scale};
 
 /// More curves than this cannot be distinguished. Beyond it, only points are drawn.
 const MAX_CURVES: usize = 16;
@@ -26,52 +26,41 @@ impl Sweep {
             let value = row.values.get(along)?;
             if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
-        let pressed = self.variants.iter().any(|row| row.outcome.largest_pressure.is_some());
-        let height = |row: &Row| match (&self.plotted, &row.outcome.largest_pressure) {
-            (Some(quantity), _) => row.outcome.number(quantity).map(|x| self.in_pictures(quantity, x)),
-            (None, Some(largest)) => largest.pressure.map(|pressure| self.pressure(pressure)),
-            (None, None) if pressed => Some(0.0),
-            (None, None) => Some(row.outcome.iterations as f64),
+        let pressed = self.variants.iter().any(|row| !row.outcome.told["largest_pressure"].is_null());
+        let pressure: Option<TableQuantity> = "largest_pressure.pressure".parse().ok().filter(|_| pressed);
+        let height = |row: &Row| match (&self.plotted, &pressure, &row.outcome.told["largest_pressure"]) {
+            (Some(quantity), _, _) => self.in_pictures(quantity, row.outcome.value(quantity)),
+            (None, Some(_), Value::Null) => Some(0.0),
+            (None, Some(quantity), largest) => self.in_pictures(quantity, &largest["pressure"]),
+            (None, None, _) => row.outcome.told["iterations"].as_f64(),
         };
-        let label = match &self.plotted {
-            Some(quantity) => self.label(quantity),
-            None if pressed => format!("largest contact pressure, {}", self.pressure_unit()),
-            None => "iterations".to_string(),
+        let label = match (&self.plotted, &pressure) {
+            (Some(quantity), _) => self.label(quantity),
+            (None, Some(quantity)) => format!("largest contact {}", self.label(quantity)),
+            (None, None) => "iterations".to_string(),
         };
-        let mut curves: Vec<(String, Vec<[f64; 2]>)> = Vec::new();
-        let converged = || self.variants.iter().filter(|row| row.outcome.is_converged());
-        for row in converged() {
-            let (Some(x), Some(y)) = (place(row), height(row)) else { continue };
+        let converged: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.is_converged()).collect();
+        let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
-            let label: Vec<String> =
-                others.map(|(_, (variation, value))| format!("{} = {value}", variation.key)).collect();
-            let (label, point) = (label.join(", "), [x, y]);
-            match curves.iter_mut().find(|(other, _)| *other == label) {
-                Some((_, points)) => points.push(point),
-                None => curves.push((label, vec![point])),
+            let of = others.map(|(_, (variation, value))| format!("{} = {value}", variation.key));
+            Some((of.collect::<Vec<_>>().join(", "), [place(row)?, height(row)?]))
+        };
+        let mut curves = grouped(converged.iter().filter_map(point));
+        let tell_apart = curves.len() <= MAX_CURVES;
+        for curve in &mut curves {
+            curve.points.sort_by(|a, b| a[0].total_cmp(&b[0]));
+            if !tell_apart {
+                (curve.label, curve.line, curve.marker) = (String::new(), None, Some(Marker::Circle));
             }
         }
-        let drawn: usize = curves.iter().map(|(_, points)| points.len()).sum();
-        let tell_apart = curves.len() <= MAX_CURVES;
-        let curve = |(k, (label, mut points)): (usize, (String, Vec<[f64; 2]>))| {
-            points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-            let line = Line { dash: DASHES[k / 4 % 4], width: 1.8 };
-            let (colour, marker) = told_apart(k);
-            Curve {
-                label: if tell_apart { label } else { String::new() },
-                points,
-                line: tell_apart.then_some(line),
-                marker: Some(if tell_apart { marker } else { Marker::Circle }),
-                colour,
-            }
-        };
+        let drawn: usize = curves.iter().map(|curve| curve.points.len()).sum();
         let left_out = |missing: usize, why: &str| match missing {
             0 => String::new(),
             missing => format!(", {missing} {why} left out"),
         };
         let left_out = [
-            left_out(self.variants.len() - converged().count(), "that did not converge"),
-            left_out(converged().count() - drawn, "without a value"),
+            left_out(self.variants.len() - converged.len(), "that did not converge"),
+            left_out(converged.len() - drawn, "without a value"),
         ];
         Chart {
             title: self.title.clone(),
@@ -79,7 +68,7 @@ impl Sweep {
             x,
             y: Axis { label, scale: Scale::Linear },
             columns: 1,
-            panels: vec![Panel { curves: curves.into_iter().enumerate().map(curve).collect(), ..Panel::default() }],
+            panels: vec![Panel { curves, ..Panel::default() }],
         }
     }
 }

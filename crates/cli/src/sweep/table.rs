@@ -1,51 +1,44 @@
 //! The table of all variants.
 
-use super::outcome::VariantResult;
-use super::quantity::TableQuantity;
-use super::variation::Variation;
-use serde::{Serialize, Serializer};
-use serde_json::Value;
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::run::report::{Resultant, SCHEMA_VERSION, UnitNames, csv_number, csv_table};
+use stickslip::run::report::{SCHEMA_VERSION, UnitNames};
 use stickslip::scene::Scene;
 use stickslip_output::Table;
 
+use super::outcome::VariantResult;
+use super::variation::Variation;
+use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number};
+
 /// All variants of a scene with their results.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
-    /// The version of these keys, the same as for reports.
-    pub schema_version: u32,
-    /// The version of stickslip.
-    pub program_version: &'static str,
     /// The title of the scene.
     pub title: String,
     /// The scene file.
     pub scene: String,
     /// The units of the results, as in the reports of the runs.
-    #[serde(skip_serializing_if = "UnitSystem::is_si", serialize_with = "by_name")]
     pub units: UnitSystem,
     /// The varied keys.
     pub varied: Vec<Variation>,
-    /// The quantities of the table, with their units.
-    #[serde(rename = "quantities", serialize_with = "with_units")]
-    pub shown: Vec<(TableQuantity, String)>,
+    /// The quantities of the table.
+    pub shown: Vec<TableQuantity>,
     /// The quantity of the chart; `None`: the largest pressure.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub plotted: Option<TableQuantity>,
     /// A row for each combination. The last key changes fastest.
     pub variants: Vec<Row>,
 }
 
 /// A variant and its result.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Row {
     /// The values, in the order of [`Sweep::varied`].
-    #[serde(serialize_with = "numbers_as_such")]
     pub values: Vec<String>,
     /// The folder of its results, if any.
     pub results: Option<String>,
     /// The result.
-    #[serde(flatten)]
     pub outcome: VariantResult,
 }
 
@@ -58,59 +51,16 @@ pub struct Shown {
     pub plot: Option<TableQuantity>,
 }
 
-/// The key results, with their names in the text table.
-const KEY_RESULTS: [(&str, &str); 4] = [
-    ("largest_pressure.pressure", "pressure"),
-    ("largest_force.magnitude", "force"),
-    ("friction.friction_work", "friction work"),
-    ("stick_zone.ratio", "stick ratio"),
-];
-
 impl Shown {
     /// Returns all quantities of table and chart, each once.
     pub fn all(&self) -> Vec<TableQuantity> {
-        let of_table = self
-            .table
-            .clone()
-            .unwrap_or_else(|| KEY_RESULTS.iter().filter_map(|(text, _)| text.parse().ok()).collect());
-        let mut all: Vec<TableQuantity> = Vec::new();
-        for quantity in of_table.into_iter().chain(self.plot.clone()) {
-            if !all.contains(&quantity) {
-                all.push(quantity);
-            }
-        }
-        all
+        let key_results = || KEY_RESULTS.iter().filter_map(|result| result.key.parse().ok()).collect();
+        distinct(self.table.clone().unwrap_or_else(key_results).into_iter().chain(self.plot.clone()))
     }
 }
 
-/// A value in its JSON type.
-#[derive(Serialize)]
-#[serde(untagged)]
-enum Plain<'a> {
-    Number(f64),
-    Text(&'a str),
-}
-
-fn by_name<S: Serializer>(units: &UnitSystem, serializer: S) -> Result<S::Ok, S::Error> {
-    UnitNames::of(units).serialize(serializer)
-}
-
-#[derive(Serialize)]
-struct WithUnit<'a> {
-    quantity: &'a TableQuantity,
-    unit: &'a str,
-}
-
-fn with_units<S: Serializer>(shown: &[(TableQuantity, String)], serializer: S) -> Result<S::Ok, S::Error> {
-    serializer.collect_seq(shown.iter().map(|(quantity, unit)| WithUnit { quantity, unit }))
-}
-
-fn numbers_as_such<S: Serializer>(values: &[String], serializer: S) -> Result<S::Ok, S::Error> {
-    let plain = |value: &'_ String| value.parse().ok().filter(|x: &f64| x.is_finite());
-    serializer.collect_seq(values.iter().map(|value| plain(value).map_or(Plain::Text(value), Plain::Number)))
-}
-
-const COMPONENTS: [&str; 3] = ["f_x", "f_y", "f_z"];
+/// The columns of the force on an obstacle, and of its sums over the nodes.
+const COMPONENTS: [[&str; 2]; 3] = [["f_x", "sum_p_n"], ["f_y", "sum_p_t"], ["f_z", "sum_p_o"]];
 
 /// The digits of numbers in the text.
 const DIGITS: usize = 6;
@@ -119,82 +69,93 @@ impl Sweep {
     /// Creates the table of `scene` over `varied`, with a row for each combination, of the quantities of `shown`.
     pub fn new(scene: &Scene, varied: Vec<Variation>, shown: Shown, variants: Vec<Row>) -> Self {
         // Without any force, no unit depends on the dimension.
-        let dimension = variants.iter().flat_map(|row| &row.outcome.boundaries).map(|on| on.force.len()).next();
-        let units = scene.description.system(dimension.unwrap_or(3));
-        let has_value = |quantity: &TableQuantity| {
-            variants.iter().any(|row| row.outcome.quantities.get(quantity.text()).is_some_and(|value| !value.is_null()))
-        };
+        let forces = || variants.iter().flat_map(|row| row.outcome.boundaries());
+        let dimension = forces().find_map(|on| Some(on["force"].as_array()?.len()));
+        let has_value = |quantity: &TableQuantity| variants.iter().any(|row| !row.outcome.value(quantity).is_null());
         let mut all = shown.all();
         if shown.table.is_none() {
             all.retain(|quantity| has_value(quantity) || shown.plot.as_ref() == Some(quantity));
         }
-        let unit = |quantity: TableQuantity| {
-            let unit = format!("{}{}", units.name(quantity.quantity()), quantity.fixed_unit());
-            (quantity, unit)
-        };
         Sweep {
-            schema_version: SCHEMA_VERSION,
-            program_version: env!("CARGO_PKG_VERSION"),
             title: scene.title.clone(),
             scene: scene.file().to_string(),
-            units,
+            units: scene.description.system(dimension.unwrap_or(3)),
             varied,
-            shown: all.into_iter().map(unit).collect(),
+            shown: all,
             plotted: shown.plot,
             variants,
         }
     }
 
-    /// Returns the names of the boundaries with contact in any variant, each with the number of components of its
-    /// force.
-    fn boundaries(&self) -> Vec<(&str, usize)> {
-        let mut boundaries: Vec<(&str, usize)> = Vec::new();
-        for resultant in self.variants.iter().flat_map(|row| &row.outcome.boundaries) {
-            let components = resultant.force.len();
-            match boundaries.iter_mut().find(|(name, _)| *name == resultant.boundary) {
-                Some((_, most)) => *most = components.max(*most),
-                None => boundaries.push((&resultant.boundary, components)),
-            }
+    /// Returns the table as one JSON object, in the units of the reports.
+    pub fn to_json(&self) -> Value {
+        let mut json = json!({
+            "schema_version": SCHEMA_VERSION,
+            "program_version": env!("CARGO_PKG_VERSION"),
+            "title": self.title,
+            "scene": self.scene,
+        });
+        if !self.units.is_si() {
+            json["units"] = json!(UnitNames::of(&self.units));
         }
-        boundaries
+        let with_unit =
+            |quantity: &TableQuantity| json!({ "quantity": quantity.text(), "unit": quantity.unit(&self.units) });
+        json["varied"] = json!(self.varied);
+        json["quantities"] = self.shown.iter().map(with_unit).collect();
+        if let Some(plotted) = &self.plotted {
+            json["plotted"] = plotted.text().into();
+        }
+        let plain = |value: &String| match value.parse() {
+            Ok(x) if f64::is_finite(x) => x.into(),
+            _ => Value::from(value.as_str()),
+        };
+        let row = |row: &Row| {
+            let values: Value = row.values.iter().map(plain).collect();
+            let mut object = json!({ "values": values, "results": row.results });
+            if let (Some(object), Some(told)) = (object.as_object_mut(), row.outcome.told.as_object()) {
+                object.extend(told.clone());
+            }
+            object
+        };
+        json["variants"] = self.variants.iter().map(row).collect();
+        json
     }
 
     /// Formats the table as comma-separated values, in the units of the sweep. The quantities come last.
     pub fn to_csv(&self) -> String {
-        let boundaries = self.boundaries();
-        let mut header: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
-        header.extend(["status", "converged", "iterations", "seconds", "largest_pressure"].map(String::from));
-        for (name, components) in &boundaries {
-            let columns = COMPONENTS[..*components].iter().chain(&["sum_p_n", "sum_p_t", "sum_p_o"][..*components]);
-            header.extend(columns.map(|column| format!("{name}.{column}")));
-        }
-        header.extend(["error", "warnings", "results", "reason"].map(String::from));
-        header.extend(self.shown.iter().map(|(quantity, _)| quantity.text().to_string()));
-        let number = |x: Option<f64>| x.map_or(String::new(), csv_number);
-        let row = |row: &Row| {
-            let outcome = &row.outcome;
-            let mut fields = row.values.clone();
-            fields.extend([outcome.status.clone(), outcome.converged.to_string(), outcome.iterations.to_string()]);
-            fields.push(outcome.seconds.map_or(String::new(), |seconds| format!("{seconds:.6}")));
-            fields.push(number(outcome.largest_pressure.as_ref().and_then(|largest| largest.pressure)));
-            for (name, components) in &boundaries {
-                let found = on(outcome, name);
-                let sums = found.map(|found| [Some(found.sums.sum_p_n), Some(found.sums.sum_p_t), found.sums.sum_p_o]);
-                fields.extend((0..*components).map(|c| number(found.and_then(|found| found.force.get(c).copied()))));
-                fields.extend((0..*components).map(|c| number(sums.and_then(|sums| sums[c]))));
+        // The names of the boundaries with contact in any variant, each with the number of components of its force.
+        let mut boundaries: Vec<(&str, usize)> = Vec::new();
+        for on in self.variants.iter().flat_map(|row| row.outcome.boundaries()) {
+            let name = on["boundary"].as_str().unwrap_or_default();
+            let components = on["force"].as_array().map_or(0, Vec::len).min(COMPONENTS.len());
+            match boundaries.iter_mut().find(|(other, _)| *other == name) {
+                Some((_, most)) => *most = components.max(*most),
+                None => boundaries.push((name, components)),
             }
-            fields.push(number(outcome.error));
-            fields.push(outcome.warnings.join(" "));
-            fields.extend([row.results.clone().unwrap_or_default(), outcome.reason.clone()]);
-            fields.extend(self.shown.iter().map(|(quantity, _)| match outcome.quantities.get(quantity.text()) {
-                None | Some(Value::Null) => String::new(),
-                Some(Value::String(text)) => text.clone(),
-                Some(value) => value.as_f64().map_or_else(|| value.to_string(), csv_number),
-            }));
-            fields
+        }
+        let record = |row: &Row| {
+            let Row { values, outcome, results } = row;
+            let of = |key: &str| (key.to_string(), outcome.told[key].clone());
+            let values =
+                self.varied.iter().zip(values).map(|(varied, value)| (varied.key.clone(), value.as_str().into()));
+            let mut record: Record = values.chain(["status", "converged", "iterations", "seconds"].map(of)).collect();
+            record.push(("largest_pressure".to_string(), outcome.told["largest_pressure"]["pressure"].clone()));
+            for (name, components) in &boundaries {
+                let on = outcome.boundaries().find(|on| on["boundary"] == *name).unwrap_or(&Value::Null);
+                let columns = || COMPONENTS[..*components].iter().enumerate();
+                let force = |(axis, [f, _]): (usize, &[&str; 2])| (format!("{name}.{f}"), on["force"][axis].clone());
+                record.extend(columns().map(force));
+                record.extend(columns().map(|(_, [_, sum])| (format!("{name}.{sum}"), on[*sum].clone())));
+            }
+            let warnings = outcome.warnings().collect::<Vec<_>>().join(" ");
+            record.extend([of("error"), ("warnings".to_string(), warnings.into())]);
+            record.extend([("results".to_string(), json!(results)), of("reason")]);
+            let shown =
+                self.shown.iter().map(|quantity| (quantity.text().to_string(), outcome.value(quantity).clone()));
+            record.extend(shown);
+            record
         };
-        let header: Vec<&str> = header.iter().map(String::as_str).collect();
-        csv_table(&header, self.variants.iter().map(row))
+        csv(&self.variants.iter().map(record).collect::<Vec<_>>(), number)
     }
 
     /// Formats the table as text, pressures in MPa in place of Pa, followed by the reasons why variants ended early.
@@ -202,89 +163,78 @@ impl Sweep {
         let heads = self.heads();
         let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
         let mut table = Table::new(&heads);
-        for row in &self.variants {
-            table.push(self.cells(row));
-        }
+        self.variants.iter().for_each(|row| table.push(self.cells(row)));
         let notes = self.notes();
         if notes.is_empty() { table.to_string() } else { format!("{table}\n{}\n", notes.join("\n")) }
     }
 
     /// Returns the heads of the table for people.
     pub(super) fn heads(&self) -> Vec<String> {
-        let mut heads: Vec<String> = self.varied.iter().map(|variation| variation.key.clone()).collect();
-        heads.extend(["verdict", "inc"].map(String::from));
-        heads.extend(self.shown.iter().map(|(quantity, _)| self.label(quantity)));
-        heads.push("warnings".to_string());
-        heads
+        let varied = self.varied.iter().map(|variation| variation.key.clone());
+        let shown = self.shown.iter().map(|quantity| self.label(quantity));
+        let run = ["verdict", "inc"].map(String::from);
+        varied.chain(run).chain(shown).chain(["warnings".to_string()]).collect()
     }
 
     /// Returns the cells of a variant for people; a dash for a value that it does not have.
     pub(super) fn cells(&self, row: &Row) -> Vec<String> {
         let Row { values, outcome, .. } = row;
-        let mut cells = values.clone();
-        cells.extend([outcome.status.clone(), outcome.converged.to_string()]);
-        cells.extend(self.shown.iter().map(|(quantity, _)| match outcome.quantities.get(quantity.text()) {
-            None | Some(Value::Null) => "-".to_string(),
-            Some(Value::String(text)) => text.clone(),
-            Some(value) => value.as_f64().map_or_else(
-                || value.to_string(),
-                |x| self.units.rounded(Quantity::Number, self.in_pictures(quantity, x), DIGITS),
-            ),
-        }));
-        cells.push(if outcome.warnings.is_empty() { "-".to_string() } else { outcome.warnings.join(" ") });
-        cells
+        let shown = self.shown.iter().map(|quantity| match outcome.value(quantity) {
+            Value::Null => "-".to_string(),
+            Value::String(text) => text.clone(),
+            value => self
+                .in_pictures(quantity, value)
+                .map_or_else(|| value.to_string(), |x| self.units.rounded(Quantity::Number, x, DIGITS)),
+        });
+        let warnings = match outcome.warnings().count() {
+            0 => "-".to_string(),
+            count => count.to_string(),
+        };
+        let run = [outcome.status.clone(), outcome.told["converged"].to_string()];
+        values.iter().cloned().chain(run).chain(shown).chain([warnings]).collect()
     }
 
-    /// Returns the reasons why variants ended early, and the quantities that no variant has.
+    /// Returns the reasons why variants ended early, the kinds of the warnings, and the quantities that no variant has.
     pub(super) fn notes(&self) -> Vec<String> {
-        let early = self.variants.iter().filter(|row| !row.outcome.reason.is_empty());
-        let mut notes: Vec<String> = early.map(|row| format!("{}: {}", self.name(row), row.outcome.reason)).collect();
-        let reported = || self.variants.iter().filter(|row| row.outcome.scene_text.is_some());
-        let is_missing = |quantity: &TableQuantity| {
-            reported().all(|row| row.outcome.quantities.get(quantity.text()).is_none_or(Value::is_null))
+        let name = |row: &Row| {
+            let pairs = self.varied.iter().zip(&row.values).map(|(varied, value)| format!("{}={value}", varied.key));
+            pairs.collect::<Vec<_>>().join(", ")
         };
-        let missing = self.shown.iter().filter(|(quantity, _)| reported().next().is_some() && is_missing(quantity));
-        notes.extend(missing.map(|(quantity, _)| format!("{}: no variant has a value", quantity.text())));
+        let early = self.variants.iter().filter(|row| !row.outcome.reason().is_empty());
+        let mut notes: Vec<String> = early.map(|row| format!("{}: {}", name(row), row.outcome.reason())).collect();
+        let mut warned: BTreeMap<&str, usize> = BTreeMap::new();
+        for kind in self.variants.iter().flat_map(|row| row.outcome.warnings()) {
+            *warned.entry(kind).or_default() += 1;
+        }
+        notes.extend(
+            warned
+                .iter()
+                .map(|(kind, count)| format!("warning      {kind}: {count} of {} variants", self.variants.len())),
+        );
+        let reported: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.scene_text.is_some()).collect();
+        let is_missing = |quantity: &&TableQuantity| {
+            !reported.is_empty() && reported.iter().all(|row| row.outcome.value(quantity).is_null())
+        };
+        let missing = self.shown.iter().filter(is_missing);
+        notes.extend(missing.map(|quantity| format!("{}: no variant has a value", quantity.text())));
         notes
     }
 
     /// Returns the name of a quantity for people, with its unit in the text table.
     pub(super) fn label(&self, quantity: &TableQuantity) -> String {
-        let named = KEY_RESULTS.iter().find(|(text, _)| *text == quantity.text());
-        let name = named.map_or(quantity.text(), |(_, name)| name);
-        let unit = match quantity.quantity() {
-            Quantity::Stress => self.units.of_pictures().name(Quantity::Stress),
-            other => format!("{}{}", self.units.name(other), quantity.fixed_unit()),
-        };
-        if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") }
+        let named = KEY_RESULTS.iter().find(|result| result.key == quantity.text());
+        labelled(named.map_or(quantity.text(), |result| result.head), &quantity.unit(&self.units_of(quantity)))
     }
 
-    /// Converts the value of a quantity to its unit in the text table.
-    pub(super) fn in_pictures(&self, quantity: &TableQuantity, told: f64) -> f64 {
-        match quantity.quantity() {
-            Quantity::Stress => self.pressure(told),
-            _ => told,
-        }
+    /// Returns the units of a quantity in the text table: in SI, MPa for pressures.
+    fn units_of(&self, quantity: &TableQuantity) -> UnitSystem {
+        if quantity.quantity() == Quantity::Stress { self.units.of_pictures() } else { self.units }
     }
 
-    /// Converts a pressure of a result to the unit of the text table.
-    pub(super) fn pressure(&self, told: f64) -> f64 {
-        self.units.of_pictures().of_si(Quantity::Stress, self.units.to_si(Quantity::Stress, told))
+    /// Returns the value of a quantity in its unit in the text table; `None` if it is no number.
+    pub(super) fn in_pictures(&self, quantity: &TableQuantity, told: &Value) -> Option<f64> {
+        let (told, of) = (told.as_f64()?, quantity.quantity());
+        let units = self.units_of(quantity);
+        Some(if of == Quantity::Stress { units.of_si(of, self.units.to_si(of, told)) } else { told })
     }
-
-    /// Returns the unit of pressures in the text table.
-    pub(super) fn pressure_unit(&self) -> String {
-        self.units.of_pictures().name(Quantity::Stress)
-    }
-
-    /// Names a variant: `contact.friction=0.3, mesh.file=a.msh`.
-    fn name(&self, row: &Row) -> String {
-        let pairs = self.varied.iter().zip(&row.values).map(|(variation, value)| format!("{}={value}", variation.key));
-        pairs.collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// Returns the resultant on the obstacle of a boundary.
-fn on<'a>(outcome: &'a VariantResult, boundary: &str) -> Option<&'a Resultant> {
-    outcome.boundaries.iter().find(|resultant| resultant.boundary == boundary)
 }

@@ -65,7 +65,10 @@ fn what_is_kept_is_not_computed_again() {
     let mended = compared(text, &[4, 8], &[2, 4], &kept);
     assert_eq!(kept.computed(), 2, "{names:?}");
     for (one, other) in mended.runs.iter().zip(&whole.runs) {
-        assert_eq!((one.errors, one.kkt, one.iterations), (other.errors, other.kkt, other.iterations));
+        assert_eq!(
+            (one.errors, one.course.kkt, one.course.iterations),
+            (other.errors, other.course.kkt, other.course.iterations)
+        );
     }
     for (one, other) in mended.meshes.iter().zip(&whole.meshes) {
         assert_eq!((&one.end, one.errors, &one.estimates), (&other.end, other.errors, &other.estimates));

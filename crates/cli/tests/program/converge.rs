@@ -48,6 +48,14 @@ fn values_are_those_of_a_run() {
     let run = stickslip(&["run", LINE, "--json"]);
     let (study, run) = (json(&study), json(&run));
     assert_eq!(study["value"], run["largest_pressure"]["pressure"]);
+    // Any number of a report or of the forces is known in the same way.
+    for (quantity, unit) in [("largest_pressure.mean_pressure", "Pa"), ("last:contact.sum_p_n", "N/m")] {
+        let study = json(&stickslip(&converge(LINE, quantity, &["--to", "0.2", "--json"])));
+        assert_eq!(
+            (&study["verdict"], &study["unit"], &study["quantity"]),
+            (&"known".into(), &unit.into(), &quantity.into())
+        );
+    }
     let set = ["--set", "mesh.elements=[[5,7,6],8]", "--set", "mesh.grading=[[1,1,20],0.1]"];
     let more = [&set[..], &["--to", "0.5", "--json"]].concat();
     let study = json(&stickslip(&converge(PUNCH, "friction_work", &more)));
@@ -134,6 +142,11 @@ fn bad_questions_are_refused() {
     let output = stickslip(&converge(LINE, "pressure", &[]));
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("peak, force, friction_work, stick_ratio"), "{}", stderr(&output));
+    for (quantity, word) in [("max:nowhere.f_x", "is at `nowhere`"), ("status", "`status` is no number")] {
+        let output = stickslip(&converge(LINE, quantity, &[]));
+        assert_exit(&output, 2);
+        assert!(stderr(&output).replace("\n  │ ", " ").contains(word), "{}", stderr(&output));
+    }
     let output = stickslip(&converge(LINE, "peak", &["--meshes", "24,12,6"]));
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("from coarse to fine"), "{}", stderr(&output));

@@ -110,8 +110,8 @@ fn results_are_the_same_on_any_number_of_threads() {
 /// Returns a comparison without its times.
 fn untimed(mut comparison: Comparison) -> Comparison {
     for run in &mut comparison.runs {
-        run.seconds = Phases::default();
-        run.iterates.iter_mut().for_each(|iterate| iterate.seconds = 0.0);
+        run.course.seconds = Phases::default();
+        run.course.iterates.iter_mut().for_each(|iterate| iterate.seconds = 0.0);
     }
     comparison.meshes.iter_mut().for_each(|mesh| mesh.seconds = 0.0);
     comparison
@@ -126,7 +126,7 @@ fn a_comparison_does_not_depend_on_how_many_run_at_a_time() {
     let at_a_time = |jobs| {
         let plan = Plan { paths: paths.to_vec(), meshes: meshes.clone(), increments: vec![4, 2], reference: 2, jobs };
         let comparison = compare::compute(&scene, &plan, &(), &mut |_| ()).unwrap();
-        assert!(comparison.runs.iter().all(|run| run.seconds.cpu > 0.0));
+        assert!(comparison.runs.iter().all(|run| run.course.seconds.cpu > 0.0));
         untimed(comparison)
     };
     let one = at_a_time(1);

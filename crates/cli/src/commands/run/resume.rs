@@ -9,6 +9,10 @@ use stickslip::solver::Checkpoint;
 use stickslip::solver::history::{LinearAlgebra, Status};
 use stickslip_output::{KeptSolver, LockedOutputDir, ResultFolder};
 
+/// The cure where a run cannot be resumed.
+const ANEW: &str =
+    "run without --resume to start a new run; it replaces the existing results after its first increment";
+
 /// The state left in the folder by an earlier run.
 pub(super) enum Left {
     /// A finished run.
@@ -20,13 +24,10 @@ pub(super) enum Left {
 impl Left {
     /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
     pub(super) fn of(claim: &LockedOutputDir, origin: &Provenance, args: &RunArgs) -> Result<Option<Self>, Failure> {
+        let path = claim.path().display();
         if args.results.resume && claim.is_damaged() {
-            return Err(Failure::Input(miette::miette!(
-                help = "run without --resume to start a new run; it replaces the existing results after its first \
-                        increment",
-                "the checkpoint in {} cannot be read: it is damaged, or of another build",
-                claim.path().display()
-            )));
+            let damaged = "cannot be read: it is damaged, or of another build";
+            return Err(Failure::input(format!("the checkpoint in {path} {damaged}"), ANEW));
         }
         let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = claim.left() else {
             if args.results.resume && !args.printed.json {
@@ -47,23 +48,14 @@ impl Left {
         let changes = origin.changes_since(earlier);
         let linear = name.parse::<LinearAlgebra>().ok().filter(|linear| linear.is_built_in());
         let Some(linear) = linear.filter(|_| changes.is_empty()) else {
-            let help = "run without --resume to start a new run; it replaces the existing results after its first \
-             increment";
             let what =
                 if changes.is_empty() { "this build lacks its linear solver".to_string() } else { changes.join("; ") };
-            return Err(Failure::Input(miette::miette!(
-                help = help,
-                "the run in {} is a different one: {what}",
-                claim.path().display()
-            )));
+            return Err(Failure::input(format!("the run in {path} is a different one: {what}"), ANEW));
         };
         if let Some(status) = ended {
             if let Some(name) = claim.lacks() {
-                return Err(Failure::Input(miette::miette!(
-                    help = "run without --resume to start a new run",
-                    "the run in {} is complete, but {name} is missing or was shortened",
-                    claim.path().display()
-                )));
+                let message = format!("the run in {path} is complete, but {name} is missing or was shortened");
+                return Err(Failure::input(message, "run without --resume to start a new run"));
             }
             return Ok(Some(Left::Ended(status)));
         }
@@ -90,7 +82,7 @@ pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> R
     if let Some(folder) = folder {
         return print(folder.report().map_err(|error| unreadable(&error))?);
     }
-    let json = report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?;
+    let json = report.to_json()?;
     say!("{json}");
     Ok(())
 }
@@ -104,5 +96,5 @@ fn print(report: impl Read) -> Result<(), Failure> {
 
 fn unreadable(error: &io::Error) -> Failure {
     let help = "run without --resume to start a new run";
-    Failure::Machine(miette::miette!(help = help, "run.json cannot be read: {error}"))
+    Failure::machine(format!("run.json cannot be read: {error}"), help)
 }

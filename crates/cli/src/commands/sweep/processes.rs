@@ -6,11 +6,12 @@
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Stdio};
+use std::process::{Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-use crate::sweep::{TableQuantity, VariantResult};
+use crate::study::TableQuantity;
+use crate::sweep::VariantResult;
 
 use super::super::{Invocation, interrupt};
 use super::Task;
@@ -33,21 +34,6 @@ pub(super) struct Processes<'a> {
     pub threads: usize,
     /// The quantities to read from the reports.
     pub quantities: &'a [TableQuantity],
-}
-
-/// A finished process.
-pub(super) struct Ended {
-    /// The index of its task in the orders.
-    pub order: usize,
-    pub outcome: VariantResult,
-}
-
-/// A running process.
-struct Running {
-    order: usize,
-    child: Child,
-    /// The file for its report or its error message.
-    printed: PathBuf,
 }
 
 impl Processes<'_> {
@@ -84,7 +70,7 @@ impl Processes<'_> {
     }
 
     /// Keeps the results of a variant if they are final. Returns the outcome.
-    pub(super) fn keep(&self, task: &Task, outcome: VariantResult) -> VariantResult {
+    fn keep(&self, task: &Task, outcome: VariantResult) -> VariantResult {
         let (partial, whole) = (self.partial(&task.fingerprint), self.whole(&task.fingerprint));
         if !outcome.is_final() || !partial.join("run.json").is_file() {
             return outcome;
@@ -96,86 +82,58 @@ impl Processes<'_> {
         match fs::rename(&partial, &whole) {
             // Another sweep may have finished first.
             Err(error) if self.kept(task).is_none() => {
-                VariantResult::failed("machine-failure", format!("the results cannot be kept: {error}"))
+                VariantResult::failed("machine-failure", &format!("the results cannot be kept: {error}"))
             }
             _ => outcome,
         }
     }
 
-    /// Runs the variants of all `orders`, `jobs` at a time, and calls `tell` when each has ended. Ctrl-C ends all of
-    /// them at once.
-    pub(super) fn run(&self, orders: &[&Task], jobs: usize, tell: &mut dyn FnMut(Ended)) -> io::Result<()> {
-        let mut running: Vec<Running> = Vec::new();
-        let mut next = 0;
-        while next < orders.len() || !running.is_empty() {
-            if interrupt::requested() {
-                self.stop(running, orders);
-                return Ok(());
-            }
-            while running.len() < jobs && next < orders.len() {
-                match self.start(next, orders) {
-                    Ok(process) => running.push(process),
-                    Err(error) => {
-                        self.stop(running, orders);
-                        return Err(error);
-                    }
-                }
-                next += 1;
-            }
-            let mut at_work = Vec::new();
-            for mut process in running {
-                let words = match process.child.try_wait() {
-                    Ok(None) => {
-                        at_work.push(process);
-                        continue;
-                    }
-                    // Ctrl-C in the terminal may have ended this process too.
-                    Ok(Some(_)) if interrupt::requested() => {
-                        at_work.push(process);
-                        continue;
-                    }
-                    Ok(Some(status)) => format!("the process ended without a word, {status}"),
-                    Err(error) => format!("the process cannot be watched: {error}"),
-                };
-                let outcome =
-                    self.read(&process.printed).unwrap_or_else(|| VariantResult::failed("machine-failure", words));
-                tell(Ended { order: process.order, outcome });
-                self.clear(&process, orders);
-            }
-            running = at_work;
-            thread::sleep(PAUSE);
+    /// Runs a variant in a process of its own, and keeps its results if they are final and the scene is then the `same`
+    /// as that of the task. Returns `None` if the user stops the sweep.
+    pub(super) fn run(&self, task: &Task, same: impl FnOnce() -> bool) -> io::Result<Option<VariantResult>> {
+        if interrupt::requested() {
+            return Ok(None);
         }
-        Ok(())
+        let partial = self.partial(&task.fingerprint);
+        let printed = partial.with_extension(format!("{}.json", std::process::id()));
+        let mut child = self.command(task, &partial).stdout(File::create(&printed)?).spawn()?;
+        let words = loop {
+            // Ctrl-C in the terminal may have ended this process too.
+            if interrupt::requested() {
+                // Fails harmlessly if the process has already ended.
+                let _ = child.kill().and_then(|()| child.wait());
+                break None;
+            }
+            match child.try_wait() {
+                Ok(None) => thread::sleep(PAUSE),
+                _ if interrupt::requested() => {}
+                Ok(Some(status)) => break Some(format!("the process ended without a word, {status}")),
+                Err(error) => break Some(format!("the process cannot be watched: {error}")),
+            }
+        };
+        let outcome = words.map(|words| match self.read(&printed) {
+            _ if !same() => VariantResult::failed("bad-input", "the scene, or a file of it, changed during the run"),
+            Some(outcome) => self.keep(task, outcome),
+            None => VariantResult::failed("machine-failure", &words),
+        });
+        remove(&printed);
+        remove(&partial);
+        Ok(outcome)
     }
 
-    fn start(&self, order: usize, orders: &[&Task]) -> io::Result<Running> {
-        let Task { fingerprint, overrides, .. } = orders[order];
-        let partial = self.partial(fingerprint);
-        let printed = partial.with_extension(format!("{}.json", std::process::id()));
+    /// Returns the command that runs the scene of a task.
+    fn command(&self, task: &Task, out: &Path) -> Command {
         let mut command = self.invocation.again();
-        command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(&partial);
-        command.args(overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
+        command.arg("run").arg(self.scene).arg("--json").arg("--out").arg(out);
+        command.args(task.overrides.iter().flat_map(|change| ["--set".to_string(), change.to_string()]));
         command.envs(BLAS_THREADS.map(|name| (name, self.threads.to_string())));
         command.arg("--threads").arg(self.threads.to_string());
-        let child = command.stdin(Stdio::null()).stdout(File::create(&printed)?).stderr(Stdio::null()).spawn()?;
-        Ok(Running { order, child, printed })
-    }
-
-    fn stop(&self, running: Vec<Running>, orders: &[&Task]) {
-        for mut process in running {
-            // Fails harmlessly if the process has already ended.
-            let _ = process.child.kill().and_then(|()| process.child.wait());
-            self.clear(&process, orders);
-        }
+        command.stdin(Stdio::null()).stderr(Stdio::null());
+        command
     }
 
     fn read(&self, report: &Path) -> Option<VariantResult> {
         VariantResult::read(&fs::read_to_string(report).ok()?, self.quantities)
-    }
-
-    fn clear(&self, process: &Running, orders: &[&Task]) {
-        remove(&process.printed);
-        remove(&self.partial(&orders[process.order].fingerprint));
     }
 }
 

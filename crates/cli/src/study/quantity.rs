@@ -1,4 +1,4 @@
-//! Quantities of a run for the table and the chart of a sweep.
+//! Quantities of a run, by which studies name what they show or refine for.
 //!
 //! ```text
 //! QUANTITY = KEY                              a key of run.json with one value: friction.friction_work, boundaries[0].force[1]
@@ -8,15 +8,33 @@
 
 use std::str::FromStr;
 
-use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use stickslip::base::Quantity;
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{column_quantity, key_quantity};
 
 use super::keys::{self, Kind};
-use super::places::{Acting, Places};
-use super::variation::listed;
+use super::places::{KINDS, Places};
+
+/// A result that every study knows by a word.
+pub(crate) struct KeyResult {
+    /// The word of `converge --for`.
+    pub word: &'static str,
+    /// The key of the report.
+    pub key: &'static str,
+    /// The name in sentences.
+    pub name: &'static str,
+    /// The name in the head of a table.
+    pub head: &'static str,
+}
+
+/// The key results.
+pub(crate) const KEY_RESULTS: [KeyResult; 4] = [
+    KeyResult { word: "peak", key: "largest_pressure.pressure", name: "peak pressure", head: "pressure" },
+    KeyResult { word: "force", key: "largest_force.magnitude", name: "contact force", head: "force" },
+    KeyResult { word: "friction_work", key: "friction.friction_work", name: "friction work", head: "friction work" },
+    KeyResult { word: "stick_ratio", key: "stick_zone.ratio", name: "stick ratio", head: "stick ratio" },
+];
 
 /// A quantity of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -28,33 +46,16 @@ pub struct TableQuantity {
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Source {
-    /// A key, as a JSON pointer.
+    /// A key, as a JSON pointer; of a vector its length.
     Key { pointer: String, name: String, kind: Kind },
-    /// The length of a vector.
-    Size { pointer: String, name: String },
-    /// A column of `forces.csv`.
-    Column { pick: Pick, acting: Option<Acting>, place: String, column: Column },
+    /// A column of `forces.csv`, of which the function picks one increment. What acts there may not be known yet.
+    Column { function: &'static str, acting: Option<&'static str>, place: String, column: Column },
 }
 
-/// One value of a column of all increments.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Pick {
-    Max,
-    Min,
-    Last,
-}
+/// A column of `forces.csv`: its name, the key of the report with its numbers, and the axis if the key has a vector.
+type Column = (&'static str, &'static str, Option<usize>);
 
-/// A column of `forces.csv`, by the key of the report that has its numbers.
-#[derive(Debug, Clone, PartialEq, Eq)]
-struct Column {
-    name: &'static str,
-    key: &'static str,
-    /// The axis, if the key has a vector.
-    axis: Option<usize>,
-}
-
-/// The columns: name, key of the report, and axis.
-const COLUMNS: [(&str, &str, Option<usize>); 15] = [
+const COLUMNS: [Column; 15] = [
     ("f_x", "force", Some(0)),
     ("f_y", "force", Some(1)),
     ("f_z", "force", Some(2)),
@@ -72,134 +73,61 @@ const COLUMNS: [(&str, &str, Option<usize>); 15] = [
     ("sum_p_o", "sum_p_o", None),
 ];
 
-/// The reason why a quantity is invalid.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum QuantityError {
-    /// There is no such function.
-    #[error("`{name}` is no function of a quantity; the functions are max:, min: and last: of PLACE.COLUMN, and size: of a vector{}", meant(.similar))]
-    Function {
-        /// The name.
-        name: String,
-        /// The quantity with similar functions.
-        similar: Vec<String>,
-    },
-    /// A report has no such key.
-    #[error("`{text}` is no key of a report{}{}", meant(.similar), existing(.parent, .children, .similar))]
-    Key {
-        /// The quantity.
-        text: String,
-        /// The longest part of it that is a key.
-        parent: String,
-        /// The keys below that part.
-        children: Vec<String>,
-        /// Similar keys.
-        similar: Vec<String>,
-    },
-    /// The key has several values.
-    #[error("`{text}` has several values; give one of them: {}", .values.join(", "))]
-    Several {
-        /// The quantity.
-        text: String,
-        /// Its values.
-        values: Vec<String>,
-    },
-    /// `size:` is of a single value.
-    #[error("`{0}` is no vector; leave out size:")]
-    NoVector(String),
-    /// The value is a text.
-    #[error("`{0}` is no number and cannot be drawn; show it in the table (--table)")]
-    NoNumber(String),
-    /// A quantity of forces without a column.
-    #[error("`{0}` is not of the form {{max,min,last}}:PLACE.COLUMN, such as max:top.f_x")]
-    NoColumn(String),
-    /// There is no such column at a place.
-    #[error("`{text}`: {} has no column `{column}`; it has {}{}", .of, .columns.join(", "), meant(.similar))]
-    Column {
-        /// The quantity.
-        text: String,
-        /// The table: the kind of force, or `forces.csv`.
-        of: String,
-        /// The column.
-        column: String,
-        /// The columns that there are.
-        columns: Vec<String>,
-        /// Similar columns.
-        similar: Vec<String>,
-    },
-    /// There is no such place.
-    #[error("`{text}`: no contact, support, spring or load of the scene is at `{place}`; they are at {}{}", .places.join(", "), meant(.similar))]
-    Place {
-        /// The quantity.
-        text: String,
-        /// The place.
-        place: String,
-        /// All places.
-        places: Vec<String>,
-        /// Similar places.
-        similar: Vec<String>,
-    },
-    /// Several kinds of forces act at the place.
-    #[error("`{text}`: several forces act at `{place}`; give one of {}", .choices.join(", "))]
-    Ambiguous {
-        /// The quantity.
-        text: String,
-        /// The place.
-        place: String,
-        /// The quantity with each kind.
-        choices: Vec<String>,
-    },
-    /// This kind of force does not act at the place.
-    #[error("`{text}`: there is no {kind} at `{place}`, but {}", .there.join(", "))]
-    NotThere {
-        /// The quantity.
-        text: String,
-        /// The place.
-        place: String,
-        /// The kind of force.
-        kind: &'static str,
-        /// The kinds there.
-        there: Vec<&'static str>,
-    },
-}
+const FUNCTIONS: [&str; 4] = ["max", "min", "last", "size"];
 
 fn meant(similar: &[String]) -> String {
     if similar.is_empty() { String::new() } else { format!("; did you mean {}?", similar.join(" or ")) }
 }
 
-/// Returns what is below the part of a key that exists. All keys of a report are too many if there are similar ones.
-fn existing(parent: &str, children: &[String], similar: &[String]) -> String {
-    match (parent, similar) {
-        ("", []) => format!("; its keys are {}", children.join(", ")),
-        ("", _) => String::new(),
-        _ => format!("; the keys of {parent} are {}", children.join(", ")),
-    }
-}
-
 /// Parses quantities separated by commas; commas within brackets and quotes belong to a quantity.
 ///
 /// # Errors
-/// See [`QuantityError`].
-pub fn quantities(text: &str) -> Result<Vec<TableQuantity>, QuantityError> {
+/// When one of them is no quantity, with those of a similar spelling.
+pub fn quantities(text: &str) -> Result<Vec<TableQuantity>, String> {
     listed(text).iter().map(|one| one.parse()).collect()
 }
 
-impl FromStr for TableQuantity {
-    type Err = QuantityError;
+/// Splits a list of values at its commas, except within brackets and quotes.
+pub fn listed(given: &str) -> Vec<String> {
+    let (mut values, mut depth, mut quote) = (vec![String::new()], 0_usize, None);
+    for c in given.chars() {
+        match (c, quote) {
+            (',', None) if depth == 0 => {
+                values.push(String::new());
+                continue;
+            }
+            ('[' | '{', None) => depth += 1,
+            (']' | '}', None) => depth = depth.saturating_sub(1),
+            ('"' | '\'', None) => quote = Some(c),
+            (c, Some(open)) if c == open => quote = None,
+            _ => {}
+        }
+        if let Some(value) = values.last_mut() {
+            value.push(c);
+        }
+    }
+    values.into_iter().map(|value| value.trim().to_string()).filter(|value| !value.is_empty()).collect()
+}
 
-    fn from_str(text: &str) -> Result<Self, QuantityError> {
-        const FUNCTIONS: [&str; 4] = ["max", "min", "last", "size"];
+impl FromStr for TableQuantity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
         let text = text.trim().to_string();
         let source = match text.split_once(':') {
             None => key(&text)?,
-            Some(("size", key)) => size(key)?,
-            Some(("max", rest)) => column(&text, Pick::Max, rest)?,
-            Some(("min", rest)) => column(&text, Pick::Min, rest)?,
-            Some(("last", rest)) => column(&text, Pick::Last, rest)?,
-            Some((other, rest)) => {
-                let similar =
-                    nearest(other, FUNCTIONS.iter().copied()).into_iter().map(|name| format!("{name}:{rest}"));
-                return Err(QuantityError::Function { name: other.to_string(), similar: similar.collect() });
-            }
+            Some((name, rest)) => match FUNCTIONS.into_iter().find(|function| *function == name) {
+                Some("size") => size(rest)?,
+                Some(function) => column(&text, function, rest)?,
+                None => {
+                    let similar = nearest(name, FUNCTIONS.into_iter()).into_iter().map(|name| format!("{name}:{rest}"));
+                    return Err(format!(
+                        "`{name}` is no function of a quantity; the functions are max:, min: and last: of PLACE.COLUMN, \
+                         and size: of a vector{}",
+                        meant(&similar.collect::<Vec<_>>())
+                    ));
+                }
+            },
         };
         Ok(TableQuantity { text, source })
     }
@@ -228,79 +156,77 @@ fn parsed(text: &str) -> (String, String) {
     (name.join("."), pointer.join("/"))
 }
 
-/// Writes a name with the index 0 in each list, as an example.
-fn example(name: &str) -> String {
-    name.replace("[]", "[0]")
-}
-
-fn found(text: &str) -> Result<(String, String, Kind), QuantityError> {
+/// Returns the name, the pointer and the kind of a key; otherwise what is below the part of it that exists, and similar
+/// keys.
+fn found(text: &str) -> Result<(String, String, Kind), String> {
     let (name, pointer) = parsed(text);
-    if let Some(key) = keys::find(&name) {
-        return Ok((name, pointer, key.kind));
+    if let Some(kind) = keys::kind(&name) {
+        return Ok((name, pointer, kind));
     }
-    let ends = name.match_indices('.').map(|(at, _)| &name[..at]).collect::<Vec<_>>();
-    let parent = ends.into_iter().rev().find(|part| !keys::children(part).is_empty()).unwrap_or_default();
-    let children = keys::children(parent).into_iter().map(String::from).collect();
-    let similar = keys::similar(&name).into_iter().map(example).collect();
-    Err(QuantityError::Key { text: text.to_string(), parent: parent.to_string(), children, similar })
+    let mut parents = name.match_indices('.').map(|(at, _)| &name[..at]).rev();
+    let parent = parents.find(|part| !keys::children(part).is_empty()).unwrap_or_default();
+    let children = keys::children(parent).join(", ");
+    let similar: Vec<String> = keys::similar(&name).into_iter().map(|name| name.replace("[]", "[0]")).collect();
+    // All keys of a report are too many if there are similar ones.
+    let existing = match (parent, &similar[..]) {
+        ("", []) => format!("; its keys are {children}"),
+        ("", _) => String::new(),
+        _ => format!("; the keys of {parent} are {children}"),
+    };
+    Err(format!("`{text}` is no key of a report{}{existing}", meant(&similar)))
 }
 
-fn key(text: &str) -> Result<Source, QuantityError> {
+fn key(text: &str) -> Result<Source, String> {
     let (name, pointer, kind) = found(text)?;
     let values = match kind {
         Kind::Number | Kind::Word => return Ok(Source::Key { pointer, name, kind }),
         Kind::Vector => vec![format!("{text}[0]"), format!("{text}[1]"), format!("size:{text}")],
         Kind::Several => {
-            let list = if keys::find(&format!("{name}[]")).is_some() { "[0]" } else { "" };
+            let list = if keys::kind(&format!("{name}[]")).is_some() { "[0]" } else { "" };
             let below = keys::children(&name);
-            let below = below.iter().map(|child| format!("{text}{list}.{child}"));
-            let values: Vec<String> = below.collect();
-            if values.is_empty() { vec![format!("{text}{list}")] } else { values }
+            let values = below.iter().map(|child| format!("{text}{list}.{child}")).collect();
+            if below.is_empty() { vec![format!("{text}{list}")] } else { values }
         }
     };
-    Err(QuantityError::Several { text: text.to_string(), values })
+    Err(format!("`{text}` has several values; give one of them: {}", values.join(", ")))
 }
 
-fn size(text: &str) -> Result<Source, QuantityError> {
+fn size(text: &str) -> Result<Source, String> {
     let (name, pointer, kind) = found(text)?;
     match kind {
-        Kind::Vector => Ok(Source::Size { pointer, name }),
-        Kind::Number | Kind::Word => Err(QuantityError::NoVector(text.to_string())),
+        Kind::Vector => Ok(Source::Key { pointer, name, kind }),
+        Kind::Number | Kind::Word => Err(format!("`{text}` is no vector; leave out size:")),
         Kind::Several => key(text),
     }
 }
 
-fn column(text: &str, pick: Pick, rest: &str) -> Result<Source, QuantityError> {
-    let kind = |name: &str| Acting::ALL.into_iter().find(|acting| acting.name() == name);
+fn column(text: &str, function: &'static str, rest: &str) -> Result<Source, String> {
+    let kind = |name: &str| KINDS.into_iter().find(|kind| *kind == name);
     let given = rest.split_once(':').and_then(|(name, rest)| Some((kind(name)?, rest)));
     let (acting, rest) = given.map_or((None, rest), |(acting, rest)| (Some(acting), rest));
     let Some((place, name)) = rest.rsplit_once('.').filter(|(place, _)| !place.is_empty()) else {
-        return Err(QuantityError::NoColumn(text.to_string()));
+        return Err(format!("`{text}` is not of the form {{max,min,last}}:PLACE.COLUMN, such as max:top.f_x"));
     };
     let found = COLUMNS.into_iter().find(|(column, ..)| *column == name);
-    let Some((name, key, axis)) = found else { return Err(no_column(text, name, None)) };
-    Ok(Source::Column { pick, acting, place: place.to_string(), column: Column { name, key, axis } })
+    let column = found.ok_or_else(|| no_column(text, name, None))?;
+    Ok(Source::Column { function, acting, place: place.to_string(), column })
 }
 
 /// Returns `true` if forces of this kind have the numbers of a key.
-fn has(acting: Option<Acting>, key: &str) -> bool {
+fn has(acting: Option<&str>, key: &str) -> bool {
     match acting {
-        Some(Acting::Contact) => !["displacement", "rotation"].contains(&key),
-        Some(Acting::Coupling) => !key.starts_with("sum_p"),
+        Some("contact") => !["displacement", "rotation"].contains(&key),
+        Some("coupling") => !key.starts_with("sum_p"),
         Some(_) => !key.starts_with("sum_p") && key != "rotation",
         None => true,
     }
 }
 
-fn no_column(text: &str, name: &str, acting: Option<Acting>) -> QuantityError {
+fn no_column(text: &str, name: &str, acting: Option<&str>) -> String {
     let columns: Vec<&str> = COLUMNS.iter().filter(|(_, key, _)| has(acting, key)).map(|(name, ..)| *name).collect();
-    QuantityError::Column {
-        text: text.to_string(),
-        of: acting.map_or("forces.csv".to_string(), |acting| format!("a {acting}")),
-        column: name.to_string(),
-        similar: nearest(name, columns.iter().copied()).into_iter().take(1).collect(),
-        columns: columns.into_iter().map(String::from).collect(),
-    }
+    let of = acting.map_or("forces.csv".to_string(), |acting| format!("a {acting}"));
+    let similar: Vec<String> = nearest(name, columns.iter().copied()).into_iter().take(1).collect();
+    format!("`{text}`: {of} has no column `{name}`; it has {}{}", columns.join(", "), meant(&similar))
 }
 
 impl TableQuantity {
@@ -312,13 +238,18 @@ impl TableQuantity {
     /// Returns the kind of its unit.
     pub fn quantity(&self) -> Quantity {
         match &self.source {
-            Source::Key { name, .. } | Source::Size { name, .. } => key_quantity(last(name)),
-            Source::Column { column, .. } => column_quantity(column.name).unwrap_or(Quantity::Number),
+            Source::Key { name, .. } => key_quantity(last(name)),
+            Source::Column { column: (name, ..), .. } => column_quantity(name).unwrap_or(Quantity::Number),
         }
     }
 
+    /// Returns the name of its unit in a system of units.
+    pub(crate) fn unit(&self, units: &UnitSystem) -> String {
+        format!("{}{}", units.name(self.quantity()), self.fixed_unit())
+    }
+
     /// Returns the name of a unit that no system of units changes: s or B.
-    pub(super) fn fixed_unit(&self) -> &'static str {
+    fn fixed_unit(&self) -> &'static str {
         let Source::Key { name, .. } = &self.source else { return "" };
         match last(name) {
             "time" | "start" | "end" => "s",
@@ -328,67 +259,62 @@ impl TableQuantity {
         }
     }
 
-    /// Fails unless the quantity is a number.
+    /// Returns it completed with what acts at its place, and as a number only if it is `drawn`.
     ///
     /// # Errors
-    /// [`QuantityError::NoNumber`].
-    pub fn check_number(&self) -> Result<(), QuantityError> {
-        match self.source {
-            Source::Key { kind: Kind::Word, .. } => Err(QuantityError::NoNumber(self.text.clone())),
-            _ => Ok(()),
-        }
-    }
-
-    /// Completes a quantity of forces with what acts at its place.
-    pub(super) fn at(&self, places: &Places) -> Result<Self, QuantityError> {
-        let Source::Column { pick, acting, place, column } = &self.source else { return Ok(self.clone()) };
+    /// When it is a text that cannot be drawn, when nothing with such a column acts at its place, or several do.
+    pub fn at(&self, places: &Places, drawn: bool) -> Result<Self, String> {
+        let (function, acting, place, column) = match &self.source {
+            Source::Key { kind: Kind::Word, .. } if drawn => {
+                return Err(format!(
+                    "`{}` is no number and cannot be drawn; show it in the table (--table)",
+                    self.text
+                ));
+            }
+            Source::Key { .. } => return Ok(self.clone()),
+            Source::Column { function, acting, place, column } => (*function, *acting, place, *column),
+        };
         // A boundary of a body has the name of the body before a colon, which may be that of a kind of force.
         let of_body = acting.map(|acting| format!("{acting}:{place}")).filter(|name| !places.at(name).is_empty());
         let (acting, place) = match of_body {
             Some(name) if places.at(place).is_empty() => (None, name),
-            _ => (*acting, place.clone()),
+            _ => (acting, place.clone()),
         };
-        let (text, there) = (self.text.clone(), places.at(&place));
-        let acting = match (acting, there) {
-            (_, []) => {
-                let places = places.names();
-                let of_bodies =
-                    places.iter().filter(|name| name.rsplit_once(':').is_some_and(|(_, name)| name == place));
-                let mut similar: Vec<String> = of_bodies.cloned().collect();
-                similar.extend(nearest(&place, places.iter().map(String::as_str)));
-                return Err(QuantityError::Place { text, place, places, similar });
-            }
-            (Some(acting), _) if there.contains(&acting) => acting,
-            (Some(acting), _) => {
-                let there = there.iter().map(|acting| acting.name()).collect();
-                return Err(QuantityError::NotThere { text, place, kind: acting.name(), there });
-            }
-            (None, _) => {
-                // Kinds without the column do not count.
-                let able: Vec<Acting> = there.iter().copied().filter(|acting| has(Some(*acting), column.key)).collect();
-                match able[..] {
-                    [acting] => acting,
-                    [] => return Err(no_column(&text, column.name, Some(there[0]))),
-                    _ => {
-                        let (function, rest) = text.split_once(':').unwrap_or_default();
-                        let choices = able.iter().map(|acting| format!("{function}:{acting}:{rest}")).collect();
-                        return Err(QuantityError::Ambiguous { text, place, choices });
-                    }
-                }
-            }
-        };
-        if !has(Some(acting), column.key) {
-            return Err(no_column(&text, column.name, Some(acting)));
+        let (text, there) = (&self.text, places.at(&place));
+        if there.is_empty() {
+            let names = places.names();
+            let is_of_body = |name: &&str| name.rsplit_once(':').is_some_and(|(_, name)| name == place);
+            let mut similar: Vec<String> = names.iter().copied().filter(is_of_body).map(String::from).collect();
+            similar.extend(nearest(&place, names.iter().copied()));
+            return Err(format!(
+                "`{text}`: no contact, support, spring or load of the scene is at `{place}`; they are at {}{}",
+                names.join(", "),
+                meant(&similar)
+            ));
         }
-        let source = Source::Column { pick: *pick, acting: Some(acting), place, column: column.clone() };
-        Ok(TableQuantity { text, source })
+        if let Some(kind) = acting.filter(|kind| !there.contains(kind)) {
+            return Err(format!("`{text}`: there is no {kind} at `{place}`, but {}", there.join(", ")));
+        }
+        // Kinds without the column do not count.
+        let able = |kind: &&'static str| has(Some(kind), column.1) && acting.is_none_or(|acting| acting == *kind);
+        let acting = match there.iter().copied().filter(able).collect::<Vec<_>>()[..] {
+            [acting] => acting,
+            [] => return Err(no_column(text, column.0, acting.or(Some(there[0])))),
+            ref several => {
+                let (function, rest) = text.split_once(':').unwrap_or_default();
+                let choices: Vec<String> = several.iter().map(|kind| format!("{function}:{kind}:{rest}")).collect();
+                return Err(format!("`{text}`: several forces act at `{place}`; give one of {}", choices.join(", ")));
+            }
+        };
+        let source = Source::Column { function, acting: Some(acting), place, column };
+        Ok(TableQuantity { text: text.clone(), source })
     }
 
     /// Returns the key of the report itself with all that the value depends on.
-    pub(super) fn root(&self) -> &str {
+    pub(crate) fn root(&self) -> &str {
         match &self.source {
-            Source::Key { name, .. } | Source::Size { name, .. } => name.split(['.', '[']).next().unwrap_or_default(),
-            Source::Column { acting: None | Some(Acting::Contact), .. } => "forces",
+            Source::Key { name, .. } => name.split(['.', '[']).next().unwrap_or_default(),
+            Source::Column { acting: None | Some("contact"), .. } => "forces",
             Source::Column { .. } => "reactions",
         }
     }
@@ -396,28 +322,22 @@ impl TableQuantity {
     /// Returns the value in a report: a number in the units of the report, a text, or null if the run has no such value.
     pub fn of(&self, report: &Value) -> Value {
         match &self.source {
-            Source::Key { pointer, .. } => report.pointer(pointer).cloned().unwrap_or_default(),
-            Source::Size { pointer, .. } => {
+            Source::Key { pointer, kind: Kind::Vector, .. } => {
                 let components = report.pointer(pointer).and_then(Value::as_array);
                 let squares = components.map(|all| all.iter().map(|f| Some(f.as_f64()?.powi(2))).sum::<Option<f64>>());
                 squares.flatten().map(f64::sqrt).into()
             }
-            Source::Column { pick, acting, place, column } => {
-                let values = of_column(report, *acting, place, column);
-                match pick {
-                    Pick::Max => values.into_iter().reduce(f64::max),
-                    Pick::Min => values.into_iter().reduce(f64::min),
-                    Pick::Last => values.last().copied(),
+            Source::Key { pointer, .. } => report.pointer(pointer).cloned().unwrap_or_default(),
+            Source::Column { function, acting, place, column } => {
+                let values = of_column(report, *acting, place, *column).into_iter();
+                match *function {
+                    "max" => values.reduce(f64::max),
+                    "min" => values.reduce(f64::min),
+                    _ => values.last(),
                 }
                 .into()
             }
         }
-    }
-}
-
-impl Serialize for TableQuantity {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        self.text.serialize(serializer)
     }
 }
 
@@ -428,12 +348,12 @@ fn last(name: &str) -> &str {
 
 /// Returns the values of a column in all converged increments. Forces of equal kind at one place add up; they move
 /// together. Between bodies each side has the force on the other one.
-fn of_column(report: &Value, acting: Option<Acting>, place: &str, column: &Column) -> Vec<f64> {
+fn of_column(report: &Value, acting: Option<&str>, place: &str, (_, key, axis): Column) -> Vec<f64> {
     let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
-    let number = |of: &Value| column.axis.map_or(&of[column.key], |axis| component(of, column.key, axis)).as_f64();
-    let adds = column.key != "displacement";
-    match acting.and_then(Acting::list) {
-        None => {
+    let number = |of: &Value| axis.map_or(&of[key], |axis| component(of, key, axis)).as_f64();
+    let adds = key != "displacement";
+    match acting {
+        None | Some("contact") => {
             let of_increment = |records: &[Value]| {
                 let sides = records.iter().flat_map(|record| [record, &record["opposite"]]);
                 sides.filter(|side| side["boundary"] == place).filter_map(number).reduce(|sum, more| sum + more)
@@ -442,7 +362,7 @@ fn of_column(report: &Value, acting: Option<Acting>, place: &str, column: &Colum
         }
         Some(kind) => {
             let of_increment = |reactions: &Value| {
-                let here = reactions[kind].as_array()?.iter().filter(|of| of["at"] == place);
+                let here = reactions[format!("{kind}s")].as_array()?.iter().filter(|of| of["at"] == place);
                 here.filter_map(number).reduce(|sum, more| if adds { sum + more } else { sum })
             };
             list("reactions").iter().filter_map(of_increment).collect()
@@ -509,7 +429,7 @@ mod tests {
     }
 
     fn value(text: &str) -> Value {
-        let quantity = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places()));
+        let quantity = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places(), false));
         quantity.unwrap_or_else(|error| panic!("{text}: {error}")).of(&report())
     }
 
@@ -590,11 +510,11 @@ mod tests {
             ("max:bottom.u_x", "a contact has no column `u_x`; it has f_x, f_y"),
             ("max:top.sum_p_n", "a support has no column `sum_p_n`"),
         ] {
-            let error = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places())).unwrap_err();
-            assert!(error.to_string().contains(words), "{text}: {error}");
+            let error = text.parse::<TableQuantity>().and_then(|quantity| quantity.at(&places(), false)).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
         }
         let word: TableQuantity = "cycle.regime".parse().unwrap();
-        assert!(word.check_number().unwrap_err().to_string().contains("cannot be drawn"));
+        assert!(word.at(&places(), true).unwrap_err().contains("cannot be drawn"));
     }
 
     #[test]

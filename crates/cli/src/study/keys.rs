@@ -17,50 +17,36 @@ pub(super) enum Kind {
     Several,
 }
 
-/// A key of a report, in which `[]` stands for the elements of a list.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Key {
-    pub name: String,
-    pub kind: Kind,
-}
-
-/// All keys.
-static KEYS: LazyLock<Vec<Key>> = LazyLock::new(|| {
+/// All keys of a report with their kinds. In a name, `[]` stands for the elements of a list.
+static KEYS: LazyLock<Vec<(String, Kind)>> = LazyLock::new(|| {
     let schema = run_schema();
     let mut keys = Vec::new();
-    below(&schema, &schema, "", &mut keys);
-    keys
+    add(&schema, &schema, "", &mut keys);
+    // The first one is the report itself.
+    keys.split_off(1)
 });
 
-/// Adds the keys below `node`, whose own key is `name`.
-fn below(schema: &Value, node: &Value, name: &str, keys: &mut Vec<Key>) {
-    if let Some(properties) = node["properties"].as_object() {
-        for (key, value) in properties {
-            let name = if name.is_empty() { key.clone() } else { format!("{name}.{key}") };
-            add(schema, value, &name, keys);
-        }
-    }
-}
-
-fn add(schema: &Value, node: &Value, name: &str, keys: &mut Vec<Key>) {
+/// Adds the key of this name, described by `node`, and the keys below it.
+fn add(schema: &Value, node: &Value, name: &str, keys: &mut Vec<(String, Kind)>) {
     let node = resolved(schema, node);
     let is = |node: &Value, kinds: &[&str]| {
         let named = |kind: &Value| kind.as_str().is_some_and(|kind| kinds.contains(&kind));
         named(&node["type"]) || node["type"].as_array().is_some_and(|all| all.iter().any(named))
     };
-    let numbers = ["number", "integer"];
-    let kind = match node {
-        node if node["properties"].is_object() => Kind::Several,
-        node if is(node, &["array"]) && is(resolved(schema, &node["items"]), &numbers) => Kind::Vector,
-        node if is(node, &["array"]) => Kind::Several,
-        node if is(node, &numbers) => Kind::Number,
-        _ => Kind::Word,
+    let (is_list, numbers) = (is(node, &["array"]), ["number", "integer"]);
+    let kind = match node["properties"].is_object() {
+        false if is_list && is(resolved(schema, &node["items"]), &numbers) => Kind::Vector,
+        false if is(node, &numbers) => Kind::Number,
+        false if !is_list => Kind::Word,
+        _ => Kind::Several,
     };
-    keys.push(Key { name: name.to_string(), kind });
-    if is(node, &["array"]) {
+    keys.push((name.to_string(), kind));
+    if is_list {
         add(schema, &node["items"], &format!("{name}[]"), keys);
     }
-    below(schema, node, name, keys);
+    for (key, value) in node["properties"].as_object().into_iter().flatten() {
+        add(schema, value, format!("{name}.{key}").trim_start_matches('.'), keys);
+    }
 }
 
 /// Follows references and the choice between a value and null.
@@ -73,18 +59,17 @@ fn resolved<'a>(schema: &'a Value, node: &'a Value) -> &'a Value {
     choice.map_or(node, |one| resolved(schema, one))
 }
 
-/// Returns the key of this name, with `[]` for each index.
-pub(super) fn find(name: &str) -> Option<&'static Key> {
-    KEYS.iter().find(|key| key.name == name)
+/// Returns the kind of the key of this name, with `[]` for each index; `None` if there is no such key.
+pub(super) fn kind(name: &str) -> Option<Kind> {
+    KEYS.iter().find(|(key, _)| key == name).map(|(_, kind)| *kind)
 }
 
 /// Returns the keys directly below `name`; those of the report if it is empty.
 pub(super) fn children(name: &str) -> Vec<&'static str> {
-    let under = |key: &'static Key| {
-        let rest = if name.is_empty() {
-            &key.name
-        } else {
-            key.name.strip_prefix(name)?.trim_start_matches("[]").strip_prefix('.')?
+    let under = |(key, _): &'static (String, Kind)| {
+        let rest = match name {
+            "" => key,
+            name => key.strip_prefix(name)?.trim_start_matches("[]").strip_prefix('.')?,
         };
         (!rest.contains(['.', '['])).then_some(rest)
     };
@@ -98,14 +83,14 @@ pub(super) fn similar(name: &str) -> Vec<&'static str> {
     const ALIKE: f64 = 0.75;
     let last = |name: &str| name.rsplit('.').next().unwrap_or_default().trim_end_matches("[]").to_string();
     let plain = |name: &str| name.replace("[]", "");
-    let likeness = |key: &&'static Key| {
-        let whole = strsim::normalized_damerau_levenshtein(&plain(&key.name), &plain(name));
-        let parts = strsim::normalized_damerau_levenshtein(&last(&key.name), &last(name));
+    let likeness = |key: &str| {
+        let whole = strsim::normalized_damerau_levenshtein(&plain(key), &plain(name));
+        let parts = strsim::normalized_damerau_levenshtein(&last(key), &last(name));
         if parts == 1.0 { 1.0 + whole } else { whole.max(parts) }
     };
-    let ends = KEYS.iter().filter(|key| matches!(key.kind, Kind::Number | Kind::Word));
-    let mut found: Vec<(f64, &str)> =
-        ends.map(|key| (likeness(&key), key.name.as_str())).filter(|(alike, _)| *alike >= ALIKE).collect();
+    let ends = KEYS.iter().filter(|(_, kind)| matches!(kind, Kind::Number | Kind::Word));
+    let found = ends.map(|(key, _)| (likeness(key), key.as_str()));
+    let mut found: Vec<(f64, &str)> = found.filter(|(alike, _)| *alike >= ALIKE).collect();
     found.sort_by(|(a, _), (b, _)| b.total_cmp(a));
     found.into_iter().map(|(_, name)| name).take(MOST).collect()
 }
@@ -129,7 +114,7 @@ mod tests {
             ("totals.peak_rss_bytes", Kind::Number),
             ("status", Kind::Word),
         ] {
-            assert_eq!(find(name).map(|key| key.kind), Some(kind), "{name}");
+            assert_eq!(super::kind(name), Some(kind), "{name}");
         }
         assert_eq!(children("friction"), ["friction_work", "mesh_error", "time_error"]);
         assert!(children("boundaries").contains(&"force"));

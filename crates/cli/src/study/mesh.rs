@@ -1,4 +1,4 @@
-//! The meshes of a comparison: their names and how to generate them from a scene.
+//! The meshes of a study: their names and how to generate them from a scene.
 
 use std::fmt;
 use std::str::FromStr;
@@ -6,13 +6,14 @@ use std::str::FromStr;
 use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
-use super::CompareError;
+use super::distinct;
+use crate::compare::CompareError;
 use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::scene::Override;
 
-/// A mesh of a comparison.
-#[derive(Debug, Clone, PartialEq, Eq)]
+/// A mesh of a study.
+#[derive(Debug, Clone, PartialEq)]
 pub struct MeshChoice {
     /// Its origin and refinement.
     pub size: MeshSize,
@@ -21,12 +22,14 @@ pub struct MeshChoice {
 }
 
 /// The refinement of a mesh.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MeshSize {
     /// The mesh of the scene.
     Own,
     /// A number of elements in the first direction. The other numbers follow in the proportions of the scene.
     Elements(usize),
+    /// All numbers of elements of the scene times a factor.
+    Times(f64),
     /// Another mesh file of the same format, named as in the scene.
     File(String),
 }
@@ -52,6 +55,7 @@ impl fmt::Display for MeshChoice {
         match &self.size {
             MeshSize::Own => f.write_str("the scene's mesh"),
             MeshSize::Elements(n) => write!(f, "n = {n}"),
+            MeshSize::Times(factor) => write!(f, "{factor} times the elements"),
             MeshSize::File(file) => f.write_str(file),
         }
     }
@@ -116,7 +120,8 @@ impl MeshChoice {
             |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
         let mut overrides = match &self.size {
             MeshSize::Own => Vec::new(),
-            MeshSize::Elements(n) => refined(mesh, *n),
+            MeshSize::Elements(n) => multiplied(mesh, *n as f64 / first_elements(mesh).unwrap_or(*n) as f64),
+            MeshSize::Times(factor) => multiplied(mesh, *factor),
             MeshSize::File(file) => vec![Override::value("mesh.file", file.as_str())],
         };
         if let Some(ElementChoice { cells, element }) = self.elements {
@@ -131,7 +136,6 @@ impl MeshChoice {
 
 /// Returns each of the `choices` once, or an error if one cannot replace `mesh`.
 pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
-    let mut each: Vec<MeshChoice> = Vec::new();
     let sources: Vec<&MeshSource> = match mesh {
         MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
         one => vec![one],
@@ -141,14 +145,13 @@ pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
         match &choice.size {
-            MeshSize::Elements(_) if fixed => return Err(CompareError::FixedMesh),
+            MeshSize::Elements(_) | MeshSize::Times(_) if fixed => return Err(CompareError::FixedMesh),
             MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(CompareError::NoMeshFile),
             _ if cells && !blocks => return Err(CompareError::FixedCells),
-            _ if each.contains(choice) => {}
-            _ => each.push(choice.clone()),
+            _ => {}
         }
     }
-    if each.is_empty() { Err(CompareError::NoMesh) } else { Ok(each) }
+    if choices.is_empty() { Err(CompareError::NoMesh) } else { Ok(distinct(choices.to_vec())) }
 }
 
 /// Returns the number of elements in the first direction, or along the contact zone, of the first body. `None` for a
@@ -160,12 +163,6 @@ pub(crate) fn first_elements(mesh: &MeshSource) -> Option<usize> {
         MeshSource::File { .. } | MeshSource::Given(_) => None,
         MeshSource::Bodies(bodies) => first_elements(&bodies.first()?.mesh),
     }
-}
-
-/// Returns the overrides that give the mesh `first` elements in the first direction, and the other numbers in
-/// proportion.
-fn refined(mesh: &MeshSource, first: usize) -> Vec<Override> {
-    multiplied(mesh, first as f64 / first_elements(mesh).unwrap_or(first) as f64)
 }
 
 /// Returns the overrides that multiply all numbers of elements of the mesh by `share`.

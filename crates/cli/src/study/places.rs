@@ -1,0 +1,52 @@
+//! The places at which forces act, by the names in `forces.csv`.
+
+use std::collections::BTreeMap;
+
+use stickslip::body::{Against, Contact, Description};
+
+/// The kinds of forces, as in the column `kind`. The forces of contacts are in `forces[]` of a report, those of another
+/// kind in the list of `reactions[]` that is its plural.
+pub(super) const KINDS: [&str; 6] = ["contact", "support", "spring", "load", "coupling", "pretension"];
+
+/// The places of the scenes of a study, with the kinds of forces that act there.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Places(BTreeMap<String, Vec<&'static str>>);
+
+impl Places {
+    /// Adds the places of a scene.
+    pub fn add(&mut self, description: &Description) {
+        // The coordinates of a point do not depend on the dimension.
+        let units = description.system(3);
+        let sides = |contact: &Contact| match &contact.against {
+            Against::Obstacles(_) => vec![contact.boundary.clone()],
+            Against::Boundary(opposite) => vec![contact.boundary.clone(), opposite.boundaries.join("+")],
+        };
+        let places: [Vec<String>; 6] = [
+            description.contacts.iter().flat_map(sides).collect(),
+            description.supports.iter().map(|support| support.at.place(&units)).collect(),
+            description.springs.iter().map(|spring| spring.place(&units)).collect(),
+            description.loads.iter().map(|load| load.action.place(&units)).collect(),
+            description.couplings.iter().map(|coupling| coupling.name.clone()).collect(),
+            description.pretensions.iter().map(|pretension| pretension.name.clone()).collect(),
+        ];
+        for (kind, places) in KINDS.into_iter().zip(places) {
+            for place in places {
+                let known = self.0.entry(place).or_default();
+                if !known.contains(&kind) {
+                    known.push(kind);
+                    known.sort_by_key(|kind| KINDS.iter().position(|other| other == kind));
+                }
+            }
+        }
+    }
+
+    /// Returns what acts at the place of this name; nothing if there is no such place.
+    pub(super) fn at(&self, place: &str) -> &[&'static str] {
+        self.0.get(place).map_or(&[], Vec::as_slice)
+    }
+
+    /// Returns the names of all places.
+    pub(super) fn names(&self) -> Vec<&str> {
+        self.0.keys().map(String::as_str).collect()
+    }
+}
