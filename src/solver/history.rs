@@ -230,7 +230,7 @@ pub(crate) fn check_times(times: &[f64]) -> Result<(), ProblemError> {
 }
 
 /// The reason why a history cannot be run or continued. An increment that does not converge is no error; it has a
-/// [`super::Status`].
+/// [`Status`].
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {

@@ -391,7 +391,9 @@ impl IncrementDriver<'_> {
         }
         let all = problem.contacts();
         let mut is_held = vec![false; all];
-        held.iter().for_each(|&i| is_held[i] = true);
+        for &i in held {
+            is_held[i] = true;
+        }
         let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
         let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
         others.sort_by(|a, b| a.1.total_cmp(&b.1));

@@ -154,7 +154,7 @@ impl HistoryOutcome {
         let (state, scales, jumps) = (self.state.clone(), self.scales.clone(), self.jumps.clone());
         let layout = self.layout.clone();
         let nothing = HistoryOutcome { tally, reached, working_set, increment_error, ..HistoryOutcome::default() };
-        HistoryOutcome { event_count, state, scales, jumps, layout, ..nothing }
+        HistoryOutcome { state, scales, event_count, jumps, layout, ..nothing }
     }
 
     /// Adds the record of an increment. Keeps all records, or only the last two.
