@@ -129,7 +129,10 @@ impl Collection {
             values["message"] = row.message.as_str().into();
             record(values)
         };
-        csv(&self.rows.iter().map(of_row).collect::<Vec<_>>(), |_, x| csv_number(x))
+        // Without a row, the columns are those of an empty one.
+        let columns = csv(&[of_row(&Row::default())], |_, x| csv_number(x));
+        let rows = csv(&self.rows.iter().map(of_row).collect::<Vec<_>>(), |_, x| csv_number(x));
+        if self.rows.is_empty() { columns.lines().take(1).collect() } else { rows }
     }
 
     /// Returns the performance profile of the solvers, by CPU time, over the files that were read.
