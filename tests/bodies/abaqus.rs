@@ -1,13 +1,8 @@
 //! Input files of Abaqus and CalculiX: their meshes, sets and surfaces, and what is refused.
 
-#![allow(clippy::unwrap_used)]
-
-use miette::Diagnostic;
+use crate::common::prelude::*;
 use std::fmt::Write as _;
 use std::fs;
-use stickslip::body::mesh::{CellKind, Mesh, MeshFormat, Notes, block};
-use stickslip::run::Run;
-use stickslip::scene::Scene;
 
 use super::common::mesh_files::inp;
 use super::mesh_formats::{from_least, of_all_kinds};

@@ -1,12 +1,9 @@
 //! The linear algebra that is chosen where a scene leaves it open.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::{Keep, block};
-use stickslip::body::Model;
-use stickslip::run::{AvailableSolvers, Choice, Done, Run, Unsuited, discretise, unsuited};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::{InitialWorkingSet, State};
+use crate::common::block;
+use crate::common::prelude::*;
+use stickslip::run::{AvailableSolvers, Choice, Done, Unsuited, unsuited};
+use stickslip::solver::InitialWorkingSet;
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
 

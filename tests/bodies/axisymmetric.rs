@@ -1,13 +1,10 @@
 //! Bodies of revolution: elements, patch tests, rigid motions. Figures without a closed form are those of a program that shares
 //! nothing with this one.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::body::constraints::{Dofs, assemble, rigid_motions};
-use stickslip::body::fem::{
-    Elasticity, Element, NodalForces, bernstein, element_stiffness, facet_weights, traction, uniform_traction,
-};
-use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, block};
+use stickslip::body::constraints::rigid_motions;
+use stickslip::body::fem::{NodalForces, bernstein, element_stiffness, facet_weights, traction, uniform_traction};
 
 const TRIANGLE: [[f64; 3]; 3] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [1.5, 2.0, 0.0]];
 const QUADRILATERAL: [[f64; 3]; 4] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [2.6, 2.0, 0.0], [1.2, 1.7, 0.0]];

@@ -1,14 +1,12 @@
 //! Bodies of revolution against closed forms: pressure, weight, spin, heat, beds and supports.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::f64::consts::PI;
-use stickslip::base::{Field, Formula, LengthUnit, Quantity, StressUnit, Units};
-use stickslip::body::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
-use stickslip::body::mesh::{CellKind, Geometry, MeshSource, fine_quadrature, shape};
-use stickslip::body::{Action, Axis, Bed, Description, Load, Model, Support, Where};
-use stickslip::run::report::RunReport;
-use stickslip::run::{Recording, Run};
-use stickslip::solver::history::{Method, SolverChoice, Status};
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
+use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
+use stickslip::body::Bed;
+use stickslip::body::fem::{gradients, strain_at};
+use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// All elements there are.
 pub const ELEMENTS: [(CellKind, Element); 5] = [

@@ -1,20 +1,11 @@
 //! Contact of bodies of revolution. Figures without a closed form are those of a program that shares nothing with this one.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use crate::axisymmetric_bodies::{ELEMENTS, ring, solved};
 use crate::common::hertz::Hertz;
-use crate::common::{Keep, difference};
+use crate::common::prelude::*;
 use crate::second_order_contact::hertz::{alternating, graded, keep_zone};
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::Formula;
-use stickslip::body::fem::{Element, Material, Plane};
-use stickslip::body::mesh::{Cell, CellKind, Mesh};
-use stickslip::body::{Axis, Description, Load, Model, Support};
-use stickslip::body::{ContactNode, Obstacle, Place, Shape};
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, Observer, SolverChoice, Status};
 
 /// A cylinder of radius and height 1 on its base under a parabola.
 fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -> Scene {

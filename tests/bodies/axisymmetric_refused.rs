@@ -1,10 +1,7 @@
 //! What a body of revolution cannot be, hold, carry or touch.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::edit;
 use crate::common::faults::{InputError, line_of, verify};
-use stickslip::run::discretise;
-use stickslip::scene::{Scene, SceneError};
+use crate::common::prelude::*;
 
 const DISC: &str = r#"
 [mesh]

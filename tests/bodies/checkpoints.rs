@@ -1,14 +1,8 @@
 //! Histories that are taken up from each of their checkpoints: the numbers are those of the whole, to the last bit.
 
-#![allow(clippy::unwrap_used)]
-
-use std::ops::ControlFlow;
-use stickslip::run::{RecordedIncrement, Recording, Run, RunError, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{
-    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
-};
-use stickslip::solver::{Checkpoint, CheckpointError};
+use crate::common::prelude::*;
+use stickslip::run::{RecordedIncrement, RunError};
+use stickslip::solver::CheckpointError;
 
 /// Keeps all checkpoints, as bytes, and all increments.
 #[derive(Default)]

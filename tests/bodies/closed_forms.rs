@@ -1,13 +1,7 @@
 //! Cases with an answer on paper.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
+use crate::common::prelude::*;
 
 /// A block pressed on a foundation, free to widen: uniform stress, whatever the mesh.
 fn compressed(plane: &str, friction: f64) -> Scene {

@@ -1,20 +1,8 @@
 //! Bores, sockets and cones: bodies in conforming ones, Sneddon's cone, and gaps that end on the surface wherever it has gone.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common::Keep;
-use std::f64::consts::PI;
-use std::sync::Arc;
-use stickslip::algebra::{cross, dot, minus, norm, unit};
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Model};
-use stickslip::body::{
-    DeformedNode, GapDirection, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape, range_left,
-};
-use stickslip::run::Run;
-use stickslip::solver::State;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use stickslip::algebra::{cross, unit};
+use stickslip::body::{DeformedNode, range_left};
 
 fn nearest(shape: Shape, normal: &[f64]) -> Obstacle {
     Obstacle {

@@ -1,20 +1,11 @@
 //! Couplings to reference points: bars in closed form, forces and motions that belong together, and inputs that are refused.
-#![allow(clippy::unwrap_used)]
 
 mod rigid_bodies;
 
-use std::sync::Arc;
+use crate::common::prelude::*;
 
-use miette::Diagnostic;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Boundary, Mesh, MeshSource};
-use stickslip::body::{Axis, Coupling, Description, Load, Model, Part, Support, Where};
-use stickslip::run::report::{PointRecord, RunReport};
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{Method, SolverChoice, Status};
-
-use crate::common::edit;
+use stickslip::body::{Coupling, Part};
+use stickslip::run::report::PointRecord;
 
 /// A cantilever of 100 mm x 10 mm, without lateral contraction, so that beam theory is exact for a moment.
 const BEAM: &str = r#"

@@ -1,17 +1,11 @@
 //! Three dimensions as a whole: the cube under the paper's loads, slabs that are plane, scenes that are turned.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use crate::common;
-use crate::common::Keep;
+use crate::common::prelude::*;
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::path::Path;
-use stickslip::body::ContactNode;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::FormulationScaling;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
 
 /// BN on condensed matrices, which solves each increment as it stands.
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {

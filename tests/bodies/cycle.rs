@@ -1,15 +1,11 @@
 //! A load cycle against closed forms: the cylinder of Cattaneo and Mindlin pushed to and fro, and a block that slides.
 
 // The figures of doc/method/verification.md, with --nocapture.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use crate::common;
-use std::f64::consts::PI;
-use std::ops::ControlFlow;
-use stickslip::run::Run;
-use stickslip::run::report::{CycleNode, RunReport, SlipRegime, WarningKind};
-use stickslip::solver::Checkpoint;
-use stickslip::solver::history::Observer;
+use crate::common::prelude::*;
+use stickslip::run::report::{CycleNode, SlipRegime};
 
 /// Keeps the checkpoint after some increments.
 struct At(usize, Option<Vec<u8>>);

@@ -1,20 +1,11 @@
 //! A model without text: the same numbers as from a scene, and nothing wrong gets through; what is wrong is named by
 //! its key.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
-use crate::common::edit;
 use crate::common::faults::BLOCK;
-use miette::Diagnostic;
-use stickslip::base::{Formula, equal_increments};
-use stickslip::body::fem::{Element, Layer, Material, MaterialGroup, Plane};
-use stickslip::body::mesh::{CellKind, HalfPlane, MeshFormat, MeshSource, Segment};
-use stickslip::body::{Axis, Description, Load, Model, ModelError};
-use stickslip::body::{GapDirection, Obstacle, Place, Rotation, Shape};
-use stickslip::run::{Run, discretise};
-use stickslip::scene::{Scene, SceneError};
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use stickslip::body::ModelError;
+use stickslip::body::fem::Layer;
 
 /// The paper's block as data/scenes/block.toml has it, with fewer elements.
 pub fn paper_block() -> Description {

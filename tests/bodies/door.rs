@@ -1,16 +1,9 @@
 //! The door of the library: reports and arrays without files.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+use crate::common::prelude::*;
 
-use crate::common::{BELT, Keep, block, run};
-use stickslip::algebra::Pattern;
-use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, SparseLu};
-use stickslip::run::discretise;
-use stickslip::run::{Recording, Run, Sink};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{Status, SystemSolver};
-use stickslip::solver::{ContactStatus, KktErrors, KktScales};
+use crate::common::{BELT, block, run};
+use stickslip::run::Sink;
 
 fn small() -> Scene {
     block(&["mesh.elements=[6,6]", "time.increments=6"])

@@ -1,16 +1,10 @@
 //! What a report says of its own mesh. doc/method/estimates.md has the figures, which `--nocapture` prints.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use crate::common::hertz::Hertz;
-use stickslip::algebra::Vector;
-use stickslip::body::fem::{Element, Material};
-use stickslip::body::mesh::{CellKind, HalfPlane, MeshSource};
-use stickslip::body::{Action, Axis, ContactEstimate, Description, Model, Where, peak_error};
-use stickslip::body::{Obstacle, Place, Shape};
-use stickslip::run::Run;
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use stickslip::body::{ContactEstimate, peak_error};
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

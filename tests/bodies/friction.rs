@@ -1,18 +1,8 @@
 //! Friction that differs from place to place, and with time.
 
-#![allow(clippy::unwrap_used)]
-
 use super::fronts::{divided, pushed, solved};
 use crate::common::BELT;
-use stickslip::base::Formula;
-use stickslip::body::Obstacle;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Axis, Description, Load, Model};
-use stickslip::run::{Recording, Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
 
 /// On a belt that runs, every node slides with the friction of its own place.
 #[test]

@@ -1,20 +1,9 @@
 //! What is in front of a boundary: obstacles smaller than it, several of them, boundaries that share nodes.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
-use crate::common::{BELT, Keep, difference};
-use std::sync::Arc;
-use stickslip::algebra::{minus, norm};
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Boundary, Geometry, Mesh, MeshSource, Notes, block};
-use stickslip::body::{Axis, Contact, Description, Load, Model};
-use stickslip::body::{ContactNode, GapDirection, Obstacle, Place, Shape};
-use stickslip::run::report::{EliminatedUnknown, Resultant};
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use crate::common::BELT;
+use crate::common::prelude::*;
+use stickslip::body::Contact;
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 

@@ -1,11 +1,7 @@
 //! Meshes from arrays: the block by its arrays is the block, and what is no mesh is refused.
 
-#![allow(clippy::unwrap_used)]
-
 use super::description::{paper_block, refused};
-use miette::Diagnostic;
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshFault, block};
-use stickslip::body::{Description, Model};
+use crate::common::prelude::*;
 
 /// A block by its arrays, with the facets of its boundaries turned and in disorder, is the block.
 #[test]

@@ -1,14 +1,9 @@
 //! Gmsh files are read whole, or refused with the line, the reason and the remedy.
 
-#![allow(clippy::unwrap_used)]
-
-use miette::Diagnostic;
+use crate::common::prelude::*;
 use std::path::Path;
-use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{
-    Cell, CellKind, Mesh, MeshFault, MeshFileError, MeshFormat, MeshSource, Notes, block, from_gmsh,
-};
-use stickslip::body::{Axis, Description, Model, ModelError};
+use stickslip::body::ModelError;
+use stickslip::body::mesh::{MeshFileError, from_gmsh};
 
 fn read(name: &str, scale: f64) -> Mesh {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name);

@@ -1,14 +1,10 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/method/estimates.md has the figures, which `--nocapture` prints.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use std::ops::ControlFlow;
+#![allow(clippy::print_stdout)]
 
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::run::Run;
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistorySettings, IncrementError, Method, SystemSolver};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
+use crate::common::prelude::*;
+
+use stickslip::solver::history::IncrementError;
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

@@ -1,18 +1,9 @@
 //! Pretensions and periodic boundaries: bars and joints in closed form, equal results of all methods, refused inputs.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+use crate::common::prelude::*;
 
-use miette::Diagnostic;
-use stickslip::algebra::linear::SparseLu;
-use stickslip::body::mesh::{Mesh, MeshSource};
-use stickslip::body::{Description, Model};
-use stickslip::run::report::{RunReport, SectionRecord};
-use stickslip::run::{Run, discretise, tightening};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
-
-use crate::common::edit;
+use stickslip::run::report::SectionRecord;
+use stickslip::run::tightening;
 
 /// A bar of two parts between rigid walls, without lateral contraction.
 const BAR: &str = r#"

@@ -1,14 +1,8 @@
 //! The key results of a run against forces and pressures that are known.
 
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::block;
-use stickslip::body::{Axis, Description, Model, Obstacle, Support};
-use stickslip::run::Run;
-use stickslip::run::report::RunReport;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use crate::common::prelude::*;
 
 const FRICTION: f64 = 0.3;
 

@@ -1,10 +1,7 @@
 //! Bodies of horizontal layers against the exact solution of layers in series.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::Status;
+use crate::common::prelude::*;
 
 const PRESSURE: f64 = 1e6;
 

@@ -1,16 +1,10 @@
 //! Loads, supports and springs against closed forms, and the balance of all forces.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
 use crate::common::rings::ring;
-use stickslip::algebra::norm;
-use stickslip::base::{Field, Formula};
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Body, Mesh, MeshSource};
-use stickslip::body::{Action, Axis, Bed, Description, Load, Model, Support, Where};
-use stickslip::body::{Obstacle, Shape};
-use stickslip::run::report::RunReport;
-use stickslip::run::{Recording, Run};
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::body::Bed;
 
 const BOTH: [Axis; 2] = [Axis::X, Axis::Y];
 

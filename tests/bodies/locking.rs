@@ -1,14 +1,10 @@
 //! Nearly incompressible bodies in plane strain: bilinear elements lock, B-bar elements do not.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::body::constraints::{Dofs, assemble, facet_load};
-use stickslip::body::fem::{Elasticity, Element, Material, element_stiffness};
-use stickslip::body::mesh::{CellKind, Geometry, MeshSource, block};
-use stickslip::body::{Axis, Description, Load, Model};
-use stickslip::run::{Run, discretise};
-use stickslip::solver::history::{SolverChoice, Status};
+use stickslip::body::constraints::facet_load;
+use stickslip::body::fem::element_stiffness;
 
 /// A quadrilateral without parallel sides.
 const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];

@@ -1,5 +1,7 @@
 //! From a scene to matrices and back: meshes, elements, obstacles, closed forms, result files.
 
+#![allow(clippy::unwrap_used)]
+
 #[path = "../common/mod.rs"]
 mod common;
 

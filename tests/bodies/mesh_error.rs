@@ -1,17 +1,13 @@
 //! The error of the mesh in the energy norm beside what a run says of it. doc/method/estimates.md has the figures, which `--nocapture` prints.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use super::estimates::solved;
+use crate::common::prelude::*;
 use crate::common::solve;
-use std::f64::consts::PI;
-use stickslip::base::{Field, Formula};
-use stickslip::body::constraints::assemble;
-use stickslip::body::fem::{Elasticity, Element, Material, Plane, gradients, strain_at};
-use stickslip::body::mesh::{Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, shape};
-use stickslip::body::{Action, Axis, Description, ElementEstimate, Load, Model, Support};
-use stickslip::run::Run;
-use stickslip::run::report::{Warning, WarningKind};
-use stickslip::solver::history::SolverChoice;
+use stickslip::body::ElementEstimate;
+use stickslip::body::fem::{gradients, strain_at};
+use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// A block that is bent by tractions that are linear over its height: the exact strain energy is `∫ σ² / 2E`, in plane strain with
 /// `E / (1 - ν²)`. That of the mesh is smaller by half the square of the error, and the estimate meets it to an eighth.

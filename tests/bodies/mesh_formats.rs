@@ -1,12 +1,8 @@
 //! One mesh in every format of Gmsh: text and binary, old and new, whole, damaged and partitioned.
 
-#![allow(clippy::unwrap_used)]
-
-use miette::Diagnostic;
+use crate::common::prelude::*;
 use std::path::Path;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Cell, CellKind, Mesh, MeshFormat, MeshSource, block, from_gmsh};
-use stickslip::body::{Axis, Description, Model};
+use stickslip::body::mesh::from_gmsh;
 
 use super::common::mesh_files::{Msh, msh};
 

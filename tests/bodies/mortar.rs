@@ -1,16 +1,15 @@
 //! Rows of pairs: what is exact of them, for every kind of facet, and what is refused.
-#![allow(clippy::unwrap_used)]
 
 mod covers;
 mod prototype;
 mod refused;
 
+use crate::common::prelude::*;
 use std::collections::BTreeMap;
 
-use stickslip::algebra::{Vector, axis};
+use stickslip::algebra::axis;
 use stickslip::body::fem::{area, bernstein, facet_weights};
-use stickslip::body::mesh::{Boundary, Geometry, Mesh, block};
-use stickslip::body::{Mortar, MortarFault, MortarOptions, MortarRow, SlaveReason};
+use stickslip::body::{Mortar, MortarFault, MortarOptions, MortarRow};
 
 /// What the two blocks of a pair are made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

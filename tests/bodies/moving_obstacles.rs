@@ -1,13 +1,8 @@
 //! Obstacles that move: friction along a belt, and gaps that are exact wherever the obstacle has gone.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use crate::common::{BELT, Keep};
-use std::ops::ControlFlow;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::BELT;
+use crate::common::prelude::*;
 
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let scene = Scene::parse("belt.toml", text, &[]).unwrap();

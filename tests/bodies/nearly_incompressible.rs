@@ -1,16 +1,10 @@
 //! What elements are worth near ν = 1/2 beyond forces: stresses, contact pressures, and bending with compressible materials.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use super::axisymmetric_bodies::ring;
-use std::ops::ControlFlow;
-use stickslip::algebra::minus;
-use stickslip::body::Obstacle;
-use stickslip::body::fem::{Element, Material};
-use stickslip::body::mesh::{Cell, CellKind};
-use stickslip::body::{Action, Axis, Model, Probe, Support};
-use stickslip::run::report::WarningKind;
-use stickslip::run::{Recording, Run};
-use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
+use crate::common::prelude::*;
+use stickslip::body::Probe;
 
 const YOUNG: f64 = 6e6;
 /// Inner and outer radius of a tube, its height and its interference with the bore, m.

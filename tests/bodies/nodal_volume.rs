@@ -1,12 +1,10 @@
 //! Dilatations averaged at the corners of triangles, tetrahedra, prisms and cells of second order. Figures without a closed form are those of a program that
 //! shares nothing with this one.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::algebra::dot;
-use stickslip::body::constraints::{Dofs, assemble, facet_load, rigid_motions};
-use stickslip::body::fem::{Elasticity, Element, traction};
-use stickslip::body::mesh::{Cell, CellKind, Mesh, block};
+use stickslip::body::constraints::{facet_load, rigid_motions};
+use stickslip::body::fem::traction;
 
 /// Cells without parallel sides inside; those of second order are straight, and, the second of each, curved.
 fn irregular() -> Vec<Mesh> {

@@ -1,15 +1,12 @@
 //! Bodies whose dilatations are averaged at their corners: contact, supports, heat, stresses, estimates. Figures without a closed form are
 //! those of a program that shares nothing with this one.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::algebra::{minus, norm};
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
+use stickslip::body::Balance;
 use stickslip::body::fem::{cell_volume, gradients};
-use stickslip::body::mesh::{Geometry, fine_quadrature, shape};
-use stickslip::body::{Balance, Model};
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::run::{Recording, Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, SolverChoice, Status};
+use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// A scene with every linear algebra of this build.
 fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording)) {

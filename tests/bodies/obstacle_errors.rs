@@ -1,13 +1,9 @@
 //! What is wrong with the obstacles and the friction of a scene.
 
-#![allow(clippy::unwrap_used)]
-
 use super::surfaces::{Triangle, ascii, binary};
-use crate::common::edit;
 use crate::common::faults::{BLOCK, line_of, verify};
+use crate::common::prelude::*;
 use crate::common::scratch::Scratch;
-use stickslip::run::discretise;
-use stickslip::scene::{Scene, SceneError};
 
 /// Why the scene `text` is refused, by itself or for its mesh.
 fn refused(text: &str) -> SceneError {

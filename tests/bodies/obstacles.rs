@@ -1,19 +1,11 @@
 //! Gaps, normals and motions of obstacles against what a pencil gives, and bad obstacles.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
 use crate::common::BELT;
-use miette::Diagnostic;
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use stickslip::algebra::{Vector, cross, minus, norm, plus, unit};
-use stickslip::base::Formula;
-use stickslip::body::mesh::{Mesh, block};
-use stickslip::body::{
-    Facing, GapDirection, Obstacle, ObstacleError, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape,
-};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
+use crate::common::prelude::*;
+use std::f64::consts::FRAC_1_SQRT_2;
+use stickslip::algebra::{cross, plus, unit};
+use stickslip::body::{Facing, ObstacleError};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];
 

@@ -1,18 +1,13 @@
 //! All elements, in two and three dimensions: volumes, patch tests, rigid motions, convergence, locking.
-#![allow(clippy::unwrap_used)]
 
-use std::f64::consts::PI;
+use crate::common::prelude::*;
 
 use crate::common;
 use crate::common::solve;
-use stickslip::algebra::{norm, unit};
-use stickslip::body::constraints::{Dofs, RigidMotion, assemble, facet_load, rigid_motions};
-use stickslip::body::fem::{Elasticity, Element, element_stiffness, gradients};
-use stickslip::body::mesh::{
-    Cell, CellKind, Geometry, Mesh, MeshSource, block, fine_quadrature, quadrature, quadrature_of, shape,
-};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
+use stickslip::algebra::unit;
+use stickslip::body::constraints::{facet_load, rigid_motions};
+use stickslip::body::fem::{element_stiffness, gradients};
+use stickslip::body::mesh::{fine_quadrature, quadrature, quadrature_of, shape};
 
 /// A unit square or cube of `n` elements along each axis, of any kind.
 fn cube(kind: CellKind, n: usize) -> Mesh {

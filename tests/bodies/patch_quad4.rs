@@ -1,12 +1,11 @@
 //! The bilinear quadrilateral: patch test, rigid motions, convergence.
-#![allow(clippy::unwrap_used)]
 
-use std::f64::consts::PI;
+use crate::common::prelude::*;
 
 use crate::common;
-use stickslip::body::constraints::{Dofs, assemble, facet_load};
-use stickslip::body::fem::{Elasticity, Element, gradients};
-use stickslip::body::mesh::{CellKind, Mesh, block, quadrature, shape};
+use stickslip::body::constraints::facet_load;
+use stickslip::body::fem::gradients;
+use stickslip::body::mesh::{quadrature, shape};
 
 const QUAD: CellKind = CellKind::Quadrilateral;
 

@@ -1,10 +1,7 @@
 //! Meshes of several bodies: what is accepted, what they are called, and how meshes are joined.
 
-#![allow(clippy::unwrap_used)]
-
-use stickslip::body::mesh::{
-    Body, Boundary, Cell, CellKind, Geometry, HalfPlane, Mesh, MeshError, MeshFault, MeshSource, block,
-};
+use crate::common::prelude::*;
+use stickslip::body::mesh::MeshError;
 
 fn square(n: usize) -> MeshSource {
     MeshSource::block([1.0, 0.5], [n, 2])

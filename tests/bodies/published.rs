@@ -1,18 +1,13 @@
 //! Published cases and closed forms of contact: shrink fit, flat punch, receding contact, stick under a growing load.
 //! `doc/method/verification.md` has the figures, which `--nocapture` prints.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::rings::ring;
-use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use stickslip::base::Formula;
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Action, Axis, Description, Model};
-use stickslip::body::{GapDirection, Obstacle, Place, Shape};
-use stickslip::run::{RecordedIncrement, Recording, Run};
-use stickslip::solver::ContactStatus;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use std::f64::consts::FRAC_1_SQRT_2;
+use stickslip::run::RecordedIncrement;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

@@ -1,12 +1,9 @@
 //! Bonded blocks of rubber that are pressed: how far elements for bodies that hardly change their volume are from fine bricks with B-bar.
 //! The tables of doc/method/verification.md are what the last two tests print.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use stickslip::run::Run;
-use stickslip::run::discretise;
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, SolverChoice, Status};
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
 
 fn solved(text: &str) -> RunReport {
     let scene = Scene::parse("rubber.toml", text, &[]).unwrap();

@@ -1,11 +1,7 @@
 //! What a scene says that its mesh contradicts.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common::edit;
 use crate::common::faults::{BLOCK, InputError, line_at, line_of, verify};
-use stickslip::run::discretise;
-use stickslip::scene::{Scene, SceneError};
+use crate::common::prelude::*;
 
 const AGAINST_THE_MESH: &[InputError] = &[
     ("poisson =", "layers = [[0.1, 1e9, 0.3]]\npoisson =", "layers =", &["in material.layers[0]"], "more elements"),

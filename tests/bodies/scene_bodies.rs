@@ -1,14 +1,7 @@
 //! Scenes of several bodies: what is read of them, what is refused, and with which words.
 
-#![allow(clippy::unwrap_used)]
+use crate::common::prelude::*;
 
-use miette::Diagnostic;
-use stickslip::body::fem::{Element, MaterialGroup, Plane};
-use stickslip::body::mesh::{Body, MeshSource};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-
-use crate::common::edit;
 use crate::common::faults::{line_of, located, verify};
 
 /// Two blocks, one above the other, each held by its own top and pressed on its own floor.

@@ -1,15 +1,11 @@
 //! What is wrong with a scene is said with file, line, reason and remedy, and nothing wrong gets through.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::common::prelude::*;
 use std::fs;
 use std::ops::Range;
 use std::path::Path;
 
-use crate::common::edit;
 use crate::common::faults::{BLOCK, InputError, line_at, located, verify, verify_all};
-use miette::Diagnostic;
-use stickslip::scene::{Scene, SceneError};
 
 const REMOVE: &str = "remove the key or correct its spelling";
 const ADD: &str = "add the key; `stickslip init block` shows a complete scene";

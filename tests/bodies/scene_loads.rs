@@ -1,10 +1,7 @@
 //! Supports, springs and loads that cannot be, each told with file, line and cure.
-#![allow(clippy::unwrap_used)]
 
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
+use crate::common::prelude::*;
 
-use crate::common::edit;
 use crate::common::faults::{BLOCK, InputError, line_of, verify, verify_all};
 
 const FIX: &str = "fix = [\"x\", \"y\"]";

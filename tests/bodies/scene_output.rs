@@ -1,12 +1,9 @@
 //! What a scene writes: which increments, and faults of its keys.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::common::block;
 use crate::common::faults::{BLOCK, InputError, line_of, located, verify, verify_all};
-use crate::common::{block, edit};
+use crate::common::prelude::*;
 use stickslip::body::Probe;
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
 
 const OUTPUT: &[InputError] = &[
     ("times =", "every = 0\ntimes =", "every =", &["output.every is 0", "at least 1"], "each increment"),

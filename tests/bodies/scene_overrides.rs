@@ -1,15 +1,10 @@
 //! `--set` changes what it names and nothing else, and what it cannot change it refuses.
 
 // Values that were given are read back exactly.
-#![allow(clippy::unwrap_used, clippy::float_cmp)]
+#![allow(clippy::float_cmp)]
 
-use miette::Diagnostic;
-use stickslip::base::Field;
-use stickslip::body::Load;
-use stickslip::body::fem::Plane;
-use stickslip::body::mesh::{CellKind, MeshSource, Segment};
-use stickslip::body::{Obstacle, Shape};
-use stickslip::scene::{Override, Scene, SceneError};
+use crate::common::prelude::*;
+use stickslip::scene::Override;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

@@ -1,11 +1,7 @@
 //! Scenes of bodies in contact: what is refused, where, and with which words.
 
-#![allow(clippy::unwrap_used)]
+use crate::common::prelude::*;
 
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-
-use crate::common::edit;
 use crate::common::faults::{line_of, located, verify};
 
 const TWO_BLOCKS: &str = include_str!("../../data/scenes/two_blocks.toml");

@@ -1,23 +1,14 @@
 //! Contact on boundaries of second order: the law for Bernstein's polynomials, three nodes a row at the middles of edges.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 mod fits;
 pub(crate) mod hertz;
 mod obstacles;
 mod tables;
 
-use crate::common::{Keep, difference};
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::body::Model;
-use stickslip::run::report::ContactLine;
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{
-    HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, SolverChoice, Status,
-    SystemSolver, run,
-};
+use crate::common::prelude::*;
+use stickslip::solver::history::run;
 
 /// A block of the given cells on its base under a formula of the gap on its top; `more` are further tables.
 pub(super) fn pressed(cells: &str, elements: &str, friction: f64, formula: &str, more: &str) -> Scene {

@@ -1,17 +1,11 @@
 //! Bodies beside each other: each has the motions and the answer that it has alone.
 
-#![allow(clippy::unwrap_used)]
-
 use super::scene_bodies::TWO;
-use crate::common::{self, edit};
+use crate::common;
+use crate::common::prelude::*;
 use stickslip::base::UnitSystem;
-use stickslip::body::constraints::{Dofs, RigidMotion, Tie, assemble, rigid_motions, unresisted_motions};
-use stickslip::body::fem::{Elasticity, Element, Material, overlaps};
-use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Model};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{HistoryOutcome, Status};
+use stickslip::body::constraints::{Tie, rigid_motions, unresisted_motions};
+use stickslip::body::fem::overlaps;
 
 fn joined(bodies: Vec<Body>) -> Mesh {
     Mesh::clone(&MeshSource::Bodies(bodies).build().unwrap())

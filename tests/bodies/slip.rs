@@ -1,13 +1,9 @@
 //! A joint that friction alone holds slips as a whole where its loads exceed all friction, and the run ends there at once.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use std::fmt::Write;
 
 use crate::common::scratch::Scratch;
-use stickslip::run::Run;
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::scene::Scene;
-use stickslip::solver::history::Status;
 
 fn run(text: &str, overrides: &[&str]) -> RunReport {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();

@@ -1,13 +1,8 @@
 //! A chain of single increments is the history.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::common::prelude::*;
 use stickslip::algebra::linear::Statistics;
-use stickslip::body::Model;
-use stickslip::run::{Recording, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, Error, HistorySettings, LinearAlgebra, Method, Status, Stepper};
-use stickslip::solver::{LoadCase, Loading};
+use stickslip::solver::history::{Error, Stepper};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 

@@ -1,17 +1,12 @@
 //! Stresses recovered at the nodes and along the contact surface, beside closed forms: how far they are off, and how fast
 //! that falls with the size of the elements. doc/method/estimates.md has the figures, which `--nocapture` prints.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
 use crate::common::{self, hertz::Hertz};
 use std::f64::consts::FRAC_PI_2;
-use std::ops::ControlFlow;
-use stickslip::algebra::norm;
-use stickslip::base::{Field, Formula};
-use stickslip::body::fem::{Element, Material, Plane};
-use stickslip::body::mesh::{CellKind, Mesh, MeshSource};
-use stickslip::body::{Action, Axis, Description, GapDirection, Model, Obstacle, Place, Shape, Support, SurfaceStress};
-use stickslip::run::{Recording, Run, discretise};
-use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
+use stickslip::body::SurfaceStress;
 
 /// The nodal stresses of a body at the end, and those along its contact surface.
 struct Solved {

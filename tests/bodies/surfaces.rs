@@ -1,15 +1,9 @@
 //! Surfaces of triangles as obstacles, from STL and Gmsh files, against the shapes that they stand for.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::common::prelude::*;
+use crate::common::run;
 use crate::common::scratch::Scratch;
-use crate::common::{Keep, run};
 use std::fmt::Write as _;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::Status;
 
 pub type Triangle = [[f64; 3]; 3];
 

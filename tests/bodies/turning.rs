@@ -1,17 +1,9 @@
 //! Obstacles that turn and pass: gaps of every kind are exact at any angle, a back does not press, and only what touches leans.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common::faults::{line_of, verify};
+use crate::common::prelude::*;
 use crate::common::scratch::Scratch;
-use std::f64::consts::PI;
-use stickslip::base::Formula;
-use stickslip::body::mesh::{Mesh, block};
-use stickslip::body::{Facing, Obstacle, ObstacleMotion, Place, PlacedObstacle, Rotation, Shape};
-use stickslip::run::report::{Warning, WarningKind};
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::Status;
+use stickslip::body::Facing;
 
 /// The gaps of the bottom of `mesh` at t = 1 s, in front of a `shape` that turns by `angle` until then about `axis` through a point.
 fn turned(mesh: &Mesh, shape: Shape, (axis, through): ([f64; 3], [f64; 3]), angle: f64) -> Vec<f64> {

@@ -1,13 +1,7 @@
 //! Every number of a scene in units of its own is converted.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common::edit;
+use crate::common::prelude::*;
 use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
-use stickslip::body::Description;
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{Method, SolverChoice, Status};
 
 fn scene(text: &str) -> Scene {
     Scene::parse("scene.toml", text, &[]).unwrap()

@@ -1,23 +1,11 @@
 //! What contact nodes do not feel of obstacles: another obstacle that comes, what is between nodes, holes.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::rings::ring;
 use crate::common::scratch::Scratch;
 use crate::estimates::solved;
 use crate::surfaces::{Triangle, ascii};
-use std::sync::Arc;
-use stickslip::algebra::Vector;
-use stickslip::base::Formula;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Model};
-use stickslip::body::{GapDirection, Obstacle, Place, Shape};
-use stickslip::run::report::{RunReport, Warning, WarningKind};
-use stickslip::run::{Recording, Run};
-use stickslip::solver::State;
-use stickslip::solver::history::{Method, SolverChoice};
 
 const TIMES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 

@@ -1,11 +1,8 @@
 //! Universal files (UNV): their nodes, elements and groups, and what is refused.
 
-#![allow(clippy::unwrap_used)]
-
-use miette::Diagnostic;
+use crate::common::prelude::*;
 use std::fmt::Write as _;
 use std::path::Path;
-use stickslip::body::mesh::{CellKind, Mesh, MeshFormat, block};
 
 use super::common::mesh_files::unv;
 use super::mesh_formats::{from_least, of_all_kinds};

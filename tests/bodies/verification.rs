@@ -1,23 +1,12 @@
 //! Closed forms and a published case, on the scenes of data/scenes; `doc/method/verification.md` has the figures.
 
 // The figures of doc/method/verification.md, with --nocapture.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+#![allow(clippy::print_stdout)]
 
 use crate::common;
-use crate::common::Keep;
 use crate::common::convergence::{self, order};
 use crate::common::hertz::Hertz;
-use std::f64::consts::PI;
-use std::ops::ControlFlow;
-use stickslip::body::Model;
-use stickslip::body::constraints::{Dofs, assemble};
-use stickslip::run::discretise;
-use stickslip::run::report::Resultant;
-use stickslip::scene::Scene;
-use stickslip::solver::ContactStatus;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status, SystemSolver,
-};
+use crate::common::prelude::*;
 
 const YOUNG: f64 = 210e9;
 const RADIUS: f64 = 100.0;

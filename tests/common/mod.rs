@@ -1,5 +1,5 @@
 //! What several tests need: the block of the paper, built and run.
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(dead_code, unused_imports, clippy::unwrap_used)]
 
 pub mod around;
 pub mod convergence;
@@ -7,6 +7,7 @@ pub mod faults;
 pub mod hertz;
 pub mod mesh_files;
 pub mod pairs;
+pub mod prelude;
 pub mod random;
 pub mod rings;
 pub mod round;

@@ -1,19 +1,12 @@
 //! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csc, Csr, MatrixError, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::solver::history::{
-    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
-};
+use crate::common::prelude::*;
+use stickslip::algebra::MatrixError;
+use stickslip::solver::statuses;
 use stickslip::solver::{
-    ContactProblem, FrictionHistory, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State,
-    critical_friction, rigid_equilibrium,
+    FrictionHistory, GapCorrection, Increment, LinearSystem, critical_friction, rigid_equilibrium,
 };
-use stickslip::solver::{KktErrors, KktScales, statuses};
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {

@@ -1,12 +1,7 @@
 //! Whole histories, condensed and not: the same statuses, the same counts, the same states.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
 
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 

@@ -1,15 +1,7 @@
 //! BN and the interior point methods find the same states: independent algorithms on the same law.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
-};
+use crate::common::prelude::*;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
     let overrides =

@@ -1,15 +1,8 @@
 //! Bodies that contact alone holds and that obstacles and loads carry far beyond what they deform: the forces are those that
 //! they would have on the spot, from every method and every linear algebra, in a few iterations.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::neutral::{agreed, solve};
-use std::ops::ControlFlow;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::run::report::Resultant;
-use stickslip::scene::Scene;
-use stickslip::solver::KktErrors;
-use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
 
 const METHODS: [Method; 2] = [Method::BN, Method::Ip];
 

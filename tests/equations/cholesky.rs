@@ -1,11 +1,11 @@
 //! The Cholesky factors of every backend that is built in: border last, Schur complement, reduction and
 //! completion, against dense elimination and against each other.
-#![cfg(any(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
+#![cfg(any(feature = "umfpack", feature = "faer"))]
+
+use crate::common::prelude::*;
 use crate::common::random::draw;
-use stickslip::algebra::linear::{Cholesky, LinearError};
-use stickslip::algebra::{Csc, Symmetric};
+use stickslip::algebra::linear::Cholesky;
 
 type Factor = fn(&Symmetric, &[usize]) -> Result<Cholesky, LinearError>;
 

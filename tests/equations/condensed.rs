@@ -1,14 +1,8 @@
 //! Static condensation: the smaller problem, the way back, and whole runs on it that have their own
 //! difficulties. That histories agree with the uncondensed ones is tests/backends_agree.rs.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::Keep;
-use stickslip::algebra::linear::{LinearError, SparseCholesky};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::{Condensation, Condensed, State};
+use crate::common::prelude::*;
+use stickslip::solver::Condensation;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";

@@ -1,13 +1,12 @@
 //! Coulomb's disk: friction in two tangential directions.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
+#![allow(clippy::print_stdout)]
+
+use crate::common::prelude::*;
 use crate::common::random::{self, Random};
 use std::ops::Range;
-use stickslip::base::Scaling;
-use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts, State};
-use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
+use stickslip::solver::Increment;
+use stickslip::solver::statuses;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

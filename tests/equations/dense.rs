@@ -1,16 +1,9 @@
 //! The dense solver against a sparse LU, matrix by matrix.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-use stickslip::algebra::linear::{
-    Dense, LinearError, LinearSolver, RefinedSolver, SparseCholesky, SystemMatrix, backward_error,
-};
-use stickslip::algebra::{Csc, DenseSymmetric, Pattern};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, Partition};
-use stickslip::solver::{Condensed, ContactProblem};
+use crate::common::prelude::*;
+use stickslip::algebra::DenseSymmetric;
+use stickslip::algebra::linear::{Dense, backward_error};
+use stickslip::solver::formulation::Constrained;
 use stickslip::solver::{NormalCase, TangentialCase};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");

@@ -1,16 +1,12 @@
 //! A stiffness that other processes have, and what becomes of a run if one of them fails.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
-use stickslip::algebra::{Csc, DoubleDouble, Symmetric};
-use stickslip::run::discretise;
-use stickslip::solver::history::{
-    Error as HistoryError, HistoryMethod, HistoryOutcome, Method, SolverChoice, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, Parts, ProblemError, State};
+use stickslip::algebra::DoubleDouble;
+use stickslip::algebra::linear::{Distributed, Stiffness};
+use stickslip::solver::ProblemError;
+use stickslip::solver::history::{Error as HistoryError, HistoryMethod};
 
 use crate::common;
 

@@ -1,13 +1,9 @@
 //! The error measure: small on every solution of the block, and the truth about wrong states.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::run::discretise;
+use crate::common::prelude::*;
 use stickslip::solver::ContactStatus::{Open, Slip, Stick};
-use stickslip::solver::history::Status;
-use stickslip::solver::{ContactProblem, Increment, Parts, ProblemError, State};
-use stickslip::solver::{KktErrors, KktScales};
+use stickslip::solver::{Increment, ProblemError};
 
 /// Every component at most 1e-10 in every increment.
 #[test]

@@ -1,18 +1,10 @@
 //! The exact path in time: sums found by another program, laws at every event, increments that converge to it, and the verdicts
 //! where it ends.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::common::random::Random;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::equal_increments;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
 use stickslip::solver::NodeStatus;
-use stickslip::solver::history::{
-    HistoryMethod, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, SolverChoice, Status,
-};
-use stickslip::solver::{Checkpoint, ContactProblem, LoadCase, Loading, Motion, Parts};
+use stickslip::solver::history::HistoryMethod;
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");

@@ -1,15 +1,9 @@
 //! faer's LU in the place of UMFPACK changes neither a status nor a count, and states by rounding only.
+
 #![cfg(all(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::algebra::linear::SparseLu;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
 
 type Settings = fn(&Model) -> HistorySettings;
 

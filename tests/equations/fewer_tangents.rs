@@ -1,11 +1,7 @@
 //! Nodes in space with one tangent: on a symmetry plane, and on an edge of the body in front of two obstacles.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::{Keep, run_default};
-use stickslip::run::discretise;
-use stickslip::run::report::Resultant;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
+use crate::common::run_default;
 
 const MU: f64 = 0.3;
 

@@ -1,16 +1,10 @@
 //! An increment that fails is halved: what the failed tries did must leave no trace.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use crate::common::Keep;
 use crate::common::around::around;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::solver::history::{
-    self, Algorithm, HistoryOutcome, HistorySettings, IncrementRecord, IncrementSolver, Method, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, Loading, MethodResult, Motion, Parts};
+use crate::common::prelude::*;
+use stickslip::solver::MethodResult;
+use stickslip::solver::history::{Algorithm, IncrementRecord};
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {

@@ -1,17 +1,13 @@
 //! The interior point method with the exact cone, for friction in two tangential directions.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
+#![allow(clippy::print_stdout)]
 
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::random::{self, Random};
 use std::ops::Range;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts};
+use stickslip::solver::Increment;
+use stickslip::solver::formulation::ConeSystem;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

@@ -1,15 +1,11 @@
 //! The parts of Algorithm IP, each against its definition: the direction of (14), the step to the border,
 //! the potential (13), both partitions.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::random;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::body::Model;
-use stickslip::run::{Run, discretise};
 use stickslip::solver::Increment;
-use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, Partition};
-use stickslip::solver::history::{Method, SolverChoice, Start, Status};
+use stickslip::solver::formulation::Constrained;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {

@@ -1,7 +1,5 @@
 //! Where an equation is: the table of doc/method/architecture.md against the numbers in the code's own comments.
 
-#![allow(clippy::unwrap_used)]
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;

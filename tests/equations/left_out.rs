@@ -1,13 +1,7 @@
 //! What a scene does not need is not there, and its absence changes no result.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
-use crate::common::Keep;
-use stickslip::run::discretise;
-use stickslip::run::report::EliminatedUnknown;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
 
 fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let model = discretise(scene).unwrap();

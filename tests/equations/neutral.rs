@@ -1,13 +1,7 @@
 //! Bodies that contact alone holds, on a node or along a line: whatever factors the systems, the answer is the same, and takes
 //! a few iterations.
-#![allow(clippy::unwrap_used)]
 
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
+use crate::common::prelude::*;
 
 /// A block under a load, on an obstacle that it touches in the middle of its bottom, and nothing else.
 fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {

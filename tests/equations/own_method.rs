@@ -1,14 +1,10 @@
 //! A method of one's own in the history loop, whole and condensed.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
 use crate::common::around::around;
-use std::sync::{Arc, Mutex};
-use stickslip::run::discretise;
-use stickslip::solver::history::{
-    self, Algorithm, HistorySettings, IncrementSolver, LinearAlgebra, Method, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, Loading};
+use crate::common::prelude::*;
+use std::sync::Mutex;
+use stickslip::solver::history::Algorithm;
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {

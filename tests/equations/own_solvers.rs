@@ -1,16 +1,10 @@
 //! Linear solvers of one's own: what is concluded from a matrix does not depend on what its solver says of its pivots, and what is
 //! solved badly is no result.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common::{self, Keep, difference};
-use std::sync::Arc;
-use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, RefinedSolver, SparseLu};
-use stickslip::algebra::{Csr, Pattern, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::solver::history::{self, Error, ExactPathSettings, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, State, critical_friction};
+use crate::common;
+use crate::common::prelude::*;
+use stickslip::solver::history::{Error, ExactPathSettings};
+use stickslip::solver::{CriticalFriction, Increment, critical_friction};
 
 /// The sparse LU of this build behind a mask.
 struct Masked {

@@ -1,24 +1,12 @@
 //! The uncondensed system with its interior factored once a run: the results of a factorisation in each iteration.
-#![cfg(any(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+#![cfg(any(feature = "umfpack", feature = "faer"))]
+
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::common;
-use crate::common::Keep;
-use stickslip::algebra::linear::{
-    FactorInfo, LinearError, LinearSolver, Partial, RefinedSolver, SparseCholesky, SparseLu, SystemMatrix,
-};
-use stickslip::algebra::{Csc, Pattern};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::formulation::Partition;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
-};
+use stickslip::algebra::linear::Partial;
 
 const PARTIAL: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Partial);
 

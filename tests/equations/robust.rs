@@ -1,17 +1,10 @@
 //! The default settings of BN and IP on scenes far from the paper's: they converge wherever there is an
 //! equilibrium, and say so where there is none.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
+use crate::common::prelude::*;
 use crate::common::random::Random;
-use stickslip::body::Model;
-use stickslip::body::constraints::{RigidMotion, assemble};
-use stickslip::body::fem::{Elasticity, Element};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::Loading;
 use stickslip::solver::formulation::{Layout, SlackLayout};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
 
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 

@@ -1,19 +1,10 @@
 //! Histories that end early: by request, or because the linear solver fails. The increments before stay.
-#![allow(clippy::unwrap_used)]
 
 use crate::common::around::around;
-use std::ops::ControlFlow;
-use std::sync::Arc;
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stickslip::algebra::linear::LinearError;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{
-    self, Algorithm, Error, HistoryOutcome, HistorySettings, IncrementSolver, IncrementView, LinearAlgebra, Method,
-    Observer, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, IterationRecord, Loading, State};
+use stickslip::solver::IterationRecord;
+use stickslip::solver::history::{Algorithm, Error};
 
 /// An observer that stops the history after an increment, or in one.
 struct Watched {

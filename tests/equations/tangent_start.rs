@@ -1,10 +1,7 @@
 //! An increment of BN in the default setting starts on the tangent of the history: fewer iterations, the same answers.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::{Keep, block, difference, scene};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use crate::common::{block, scene};
 
 /// The history of a scene by `method`, whose increments are not divided where nodes first touch.
 fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {

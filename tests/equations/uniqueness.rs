@@ -1,22 +1,13 @@
 //! Uniqueness: the critical friction against closed forms and dense algebra, and what happens
 //! below and above it to the one node of Klarbring (1990), worked out by hand.
 
-#![allow(clippy::unwrap_used)]
-
 use crate::common;
+use crate::common::prelude::*;
 use faer::Mat;
 use faer::prelude::Solve;
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::solver::formulation::{Bdiff, FormulationScaling, Pressure};
-use stickslip::solver::{
-    Armijo, Bn, ContactProblem, CriticalFriction, Increment, Parts, State, StopCriterion, critical_friction,
-};
-use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
+use stickslip::solver::formulation::Pressure;
+use stickslip::solver::statuses;
+use stickslip::solver::{Armijo, Bn, CriticalFriction, Increment, StopCriterion, critical_friction};
 
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {

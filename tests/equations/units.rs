@@ -1,14 +1,8 @@
 //! The default settings in other units: the same statuses, the same counts, the same results.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::ops::ControlFlow;
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::scene::{Override, Scene};
-use stickslip::solver::ContactStatus;
-use stickslip::solver::State;
-use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
+use stickslip::scene::Override;
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]

@@ -1,11 +1,7 @@
 //! Verdicts where a careless one goes wrong.
-#![allow(clippy::unwrap_used)]
 
 use crate::common;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
+use crate::common::prelude::*;
 use stickslip::solver::rigid_equilibrium;
 
 fn solve(overrides: &[&str]) -> HistoryOutcome {

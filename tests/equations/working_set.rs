@@ -1,18 +1,10 @@
 //! Condensed equations that do not hold all contact nodes: the answer is that of all of them, whichever they begin with.
-#![allow(clippy::unwrap_used)]
 
+use crate::common;
+use crate::common::prelude::*;
 use crate::common::random::Random;
-use crate::common::{self, Keep, difference};
-use stickslip::algebra::linear::SparseCholesky;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::body::Model;
-use stickslip::run::report::EliminatedUnknown;
-use stickslip::run::{Recording, Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
-};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts, working_set};
+use stickslip::solver::history::WorkingSet;
+use stickslip::solver::working_set;
 
 /// Runs `method` on condensed equations that hold the nodes `first`, or all.
 fn condensed(scene: &Scene, model: &Model, method: Method, first: Option<Vec<usize>>) -> (HistoryOutcome, Keep) {

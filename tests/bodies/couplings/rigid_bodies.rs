@@ -1,12 +1,9 @@
 //! Rigid bodies under forces: closed forms, the limit of stiff bodies, verdicts and warnings, and methods against each other.
 
-use stickslip::algebra::linear::SparseLu;
-use stickslip::run::report::{PointRecord, WarningKind};
-use stickslip::run::{Run, discretise};
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use stickslip::run::report::PointRecord;
 
 use super::{PUNCH, bn, near, point, report, scene};
-use crate::common::edit;
 use crate::common::random::Random;
 
 /// Every method and every linear algebra has one answer for a rigid punch under a force, and the punch moved as the

@@ -1,4 +1,5 @@
 //! Rows of a prototype of the same method, which shares no code with this one (numpy; segments, basis and normals written for it alone).
+
 #![allow(clippy::unreadable_literal)]
 
 /// Node, weight, gap, normal, shares of the master.

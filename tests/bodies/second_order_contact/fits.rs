@@ -1,13 +1,8 @@
 //! Obstacles that fit curved boundaries of second order, or nearly.
 
 use super::{Lines, solve};
+use crate::common::prelude::*;
 use crate::common::rings::ring;
-use stickslip::algebra::norm;
-use stickslip::body::Model;
-use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::SolverChoice;
 
 #[derive(Debug, Clone, Copy)]
 enum Cells {

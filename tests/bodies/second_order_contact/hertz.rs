@@ -2,14 +2,8 @@
 //! forces are those of a program that shares nothing with this one.
 
 use super::{Lines, pressed, solve, sums};
+use crate::common::prelude::*;
 use std::collections::HashMap;
-use stickslip::body::Model;
-use stickslip::body::fem::Element;
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::ContactStatus;
-use stickslip::solver::history::{LinearAlgebra, SolverChoice};
 
 /// A rectangle with the lines `xs` and `ys` of which each square is cut in two, by turns one way and the other.
 pub fn alternating(xs: &[f64], ys: &[f64]) -> Mesh {

@@ -1,13 +1,8 @@
 //! Obstacles that are curved, move or end, and supports that move corners.
 
 use super::{Lines, solve, sums};
-use crate::common::Keep;
-use stickslip::algebra::{dot, norm};
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh, MeshSource};
-use stickslip::body::{ContactNode, Term};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, SolverChoice};
+use crate::common::prelude::*;
+use stickslip::body::Term;
 
 /// The distances of the nodes in the rows of a contact node from its obstacle, by what supports and unknowns make of them.
 fn distances(contact: &ContactNode, u: &[[f64; 3]], gap: &dyn Fn(&Term) -> f64) -> Vec<f64> {

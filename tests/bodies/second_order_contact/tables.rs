@@ -1,12 +1,7 @@
 //! What tables and reports tell of boundaries of second order.
 
 use super::{Lines, pressed, pushed, solve};
-use std::ops::ControlFlow;
-use stickslip::algebra::dot;
-use stickslip::body::Model;
-use stickslip::run::report::{ContactLine, Resultant};
-use stickslip::run::{Run, discretise};
-use stickslip::solver::history::{IncrementView, Observer, SolverChoice};
+use crate::common::prelude::*;
 
 /// Looks at tables.
 struct Tables<'a>(&'a Model);

@@ -1,17 +1,7 @@
 //! Bodies in front of several others.
 
 use crate::common::pairs::{solved, solver};
-use crate::common::{Keep, difference};
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::equal_increments;
-use stickslip::body::fem::{Material, MaterialGroup};
-use stickslip::body::mesh::{Body, MeshSource};
-use stickslip::body::{Axis, Description, Load, Model, Opposite, Slave, Support};
-use stickslip::body::{Obstacle, SlaveReason};
-use stickslip::run::Run;
-use stickslip::run::report::WarningKind;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
-use stickslip::solver::{KktErrors, KktScales};
+use crate::common::prelude::*;
 
 fn condensed() -> LinearAlgebra {
     LinearAlgebra::Condensed(SparseCholesky::default())

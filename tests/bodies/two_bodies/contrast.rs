@@ -1,13 +1,7 @@
 //! A stiff body that only contact with a soft one holds.
 
 use crate::common::pairs::{Side, bodies, pushed};
-use crate::common::{Keep, difference};
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::equal_increments;
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Description, Model};
-use stickslip::run::Run;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
 
 /// The block above is so many times as stiff as the one below.
 fn stack(contrast: f64, slave: Side) -> Description {

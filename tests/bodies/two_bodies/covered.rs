@@ -1,13 +1,7 @@
 //! Slaves that the other body covers in part.
 
 use super::whole;
-use stickslip::algebra::linear::SparseLu;
-use stickslip::body::SlaveReason;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Load, Model, Opposite, Slave, Support};
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::solver::history::{LinearAlgebra, Method};
+use crate::common::prelude::*;
 
 fn run(body: &Description) -> RunReport {
     whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()))

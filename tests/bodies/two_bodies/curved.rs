@@ -2,16 +2,11 @@
 
 use super::whole;
 use crate::common::pairs::solved;
+use crate::common::prelude::*;
 use crate::common::round::moved;
 use std::collections::BTreeSet;
-use std::f64::consts::{FRAC_PI_2, PI};
-use stickslip::algebra::linear::SparseLu;
-use stickslip::base::Field;
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Body, Mesh, MeshSource, block};
-use stickslip::body::{Against, Axis, Description, Load, Model, Opposite, Slave, SlaveReason, Support};
-use stickslip::run::report::WarningKind;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
+use std::f64::consts::FRAC_PI_2;
+use stickslip::body::Against;
 
 const RADII: [f64; 3] = [0.05, 0.1, 0.2];
 const YOUNG: f64 = 210e9;

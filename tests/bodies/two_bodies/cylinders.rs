@@ -3,10 +3,8 @@
 use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
+use crate::common::prelude::*;
 use crate::common::round::Round;
-use std::f64::consts::PI;
-use stickslip::body::{Axis, Description, Load, Model, Opposite};
-use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 2] = [1.0, 0.5];
 const YOUNG: [f64; 2] = [210e9, 70e9];

@@ -2,14 +2,9 @@
 
 use super::patch::mesh;
 use crate::common::pairs::bodies;
-use std::sync::Arc;
+use crate::common::prelude::*;
 
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Boundary, CellKind, MeshSource, block};
-use stickslip::body::{Axis, Coupling, Description, Load, Model, Support};
-use stickslip::run::Run;
-use stickslip::run::report::WarningKind;
-use stickslip::solver::history::{Method, SolverChoice, Status};
+use stickslip::body::Coupling;
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
     let model = Model::build(description).unwrap();

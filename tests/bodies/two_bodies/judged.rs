@@ -2,12 +2,7 @@
 //! here, with linear triangles and weights on the facets of the slave that are written for this test.
 
 use crate::common::pairs::{Side, bodies, pushed, solved, solver};
-use std::ops::ControlFlow;
-use stickslip::base::equal_increments;
-use stickslip::body::Model;
-use stickslip::body::mesh::{Mesh, MeshSource, block};
-use stickslip::run::report::ContactLine;
-use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer, Status};
+use crate::common::prelude::*;
 
 const YOUNG: [f64; 2] = [210e9, 70e9];
 const FRICTION: f64 = 0.2;

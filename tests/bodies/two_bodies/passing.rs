@@ -1,14 +1,8 @@
 //! Bodies that contact rows do not hold apart, told by warnings.
 
 use super::whole;
+use crate::common::prelude::*;
 use crate::common::round::moved;
-use stickslip::algebra::linear::SparseLu;
-use stickslip::base::Formula;
-use stickslip::body::fem::Material;
-use stickslip::body::mesh::{Body, MeshSource, block};
-use stickslip::body::{Axis, Description, Opposite, Support};
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::solver::history::{LinearAlgebra, Method};
 
 fn run(body: &Description) -> RunReport {
     whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()))

@@ -1,14 +1,8 @@
 //! A uniform pressure goes through any meshes as it is.
 
 use crate::common::pairs::{Side, bodies, paired, solved, solver};
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::SparseCholesky;
-use stickslip::body::ContactNode;
-use stickslip::body::fem::{Material, MaterialGroup, Plane};
-use stickslip::body::mesh::{Body, CellKind, MeshSource, Segment};
-use stickslip::body::{Action, Axis, Description, Load, Model, Opposite, Support, Where};
-use stickslip::run::report::{ContactLine, ContactPoint};
-use stickslip::solver::history::{IncrementView, LinearAlgebra, Method, Observer};
+use crate::common::prelude::*;
+use stickslip::run::report::ContactPoint;
 
 const PRESSURE: f64 = 1e7;
 

@@ -1,16 +1,9 @@
 //! Random bodies on each other, judged on the stiffness of the bodies by themselves.
 
 use crate::common::pairs::{Side, bodies, paired};
+use crate::common::prelude::*;
 use crate::common::random::Random;
-use std::ops::ControlFlow;
-use stickslip::base::equal_increments;
-use stickslip::body::constraints::{Dofs, assemble, facet_load};
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Axis, Description, Load, Model, Opposite};
-use stickslip::run::Run;
-use stickslip::solver::ContactStatus;
-use stickslip::solver::State;
-use stickslip::solver::history::{IncrementView, Method, Observer, SolverChoice, Status};
+use stickslip::body::constraints::facet_load;
 
 /// Two blocks with a random gap or interference, pressed and pushed to and fro.
 fn scene(random: &mut Random) -> Description {

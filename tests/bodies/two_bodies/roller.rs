@@ -2,12 +2,8 @@
 //! 3585.37 MPa.
 
 use crate::common::pairs::{Side, bodies, solved};
+use crate::common::prelude::*;
 use crate::common::round::{Round, lines};
-use std::f64::consts::PI;
-use stickslip::base::equal_increments;
-use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
-use stickslip::body::{Action, Axis, Description, Load, Model, Opposite, Where};
-use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const RADIUS: f64 = 0.05;
 const FORCE: f64 = 35e6;

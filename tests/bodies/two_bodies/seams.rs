@@ -1,14 +1,8 @@
 //! Contact where the contact rows of nodes depend on each other or nearly do, and rings that contact alone holds.
 
+use crate::common::prelude::*;
 use crate::common::round::moved;
 use std::f64::consts::TAU;
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Model, Opposite};
-use stickslip::run::report::WarningKind;
-use stickslip::run::{Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
 
 /// Both methods with every linear solver of this build: the largest number of iterations, and `see` of the last state.
 fn by_all(model: &Model, name: &str, most: usize, see: impl Fn(&Model, &stickslip::solver::State)) {

@@ -2,12 +2,9 @@
 
 use crate::common::convergence::order;
 use crate::common::pairs::solved;
+use crate::common::prelude::*;
 use crate::common::round::moved;
 use std::f64::consts::FRAC_PI_2;
-use stickslip::body::fem::{Material, MaterialGroup, Plane};
-use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Model, Opposite};
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice};
 
 const RADII: [f64; 3] = [0.05, 0.1, 0.2];
 const YOUNG: [f64; 2] = [70e9, 210e9];

@@ -1,14 +1,7 @@
 //! A block on another with friction, pressed, pushed and pushed back.
 
 use crate::common::pairs::{Side, bodies, pushed, solved, solver, stack};
-use crate::common::{Keep, difference};
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::equal_increments;
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Description, Model};
-use stickslip::run::Run;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
+use crate::common::prelude::*;
 
 fn condensed() -> LinearAlgebra {
     LinearAlgebra::Condensed(SparseCholesky::default())

@@ -3,11 +3,8 @@
 use crate::common::convergence::{distance, order};
 use crate::common::hertz::Hertz;
 use crate::common::pairs::{Side, bodies, solved};
+use crate::common::prelude::*;
 use crate::common::round::Round;
-use std::f64::consts::PI;
-use stickslip::base::equal_increments;
-use stickslip::body::{Axis, Description, Load, Model, Opposite};
-use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice};
 
 const YOUNG: f64 = 210e9;
 const MU: f64 = 0.3;

@@ -1,15 +1,8 @@
 //! Friction at contact nodes that supports hold, while the other side moves past them.
 
 use super::whole;
+use crate::common::prelude::*;
 use crate::common::round::moved;
-use stickslip::algebra::linear::{SparseCholesky, SparseLu};
-use stickslip::base::equal_increments;
-use stickslip::body::Obstacle;
-use stickslip::body::fem::{Material, Plane};
-use stickslip::body::mesh::{Body, CellKind, Mesh, MeshSource, block};
-use stickslip::body::{Axis, Description, Load, Opposite, Support};
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::solver::history::{LinearAlgebra, Method};
 
 const MU: f64 = 0.1;
 

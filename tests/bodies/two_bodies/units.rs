@@ -1,11 +1,7 @@
 //! The same bodies in other numbers.
 
 use crate::common::pairs::{Side, solver};
-use stickslip::base::equal_increments;
-use stickslip::body::mesh::MeshSource;
-use stickslip::body::{Axis, Description, Load, Model};
-use stickslip::run::Run;
-use stickslip::solver::history::{LinearAlgebra, Method, Status};
+use crate::common::prelude::*;
 
 /// The stack of `common::pairs` with lengths and stresses in units of which so many make a metre and a pascal.
 fn stack(length: f64, stress: f64, slave: Side) -> Description {

@@ -1,9 +1,6 @@
 //! Runs to their reports.
 
-use stickslip::body::{Description, Model};
-use stickslip::run::Run;
-use stickslip::run::report::{RunReport, WarningKind};
-use stickslip::solver::history::{LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
 
 /// The report of a run that converges.
 pub fn report(body: &Description, method: Method, linear: LinearAlgebra) -> RunReport {
