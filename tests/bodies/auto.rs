@@ -107,8 +107,7 @@ fn who_multigrid_is_for() {
     let built_in = LinearAlgebra::Multigrid.is_built_in();
     let of = |overrides: &[&str], method: Method| {
         let text = include_str!("../../data/scenes/cube.toml");
-        let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-        unsuited(&discretise(&Scene::parse("cube.toml", text, &overrides).unwrap()).unwrap(), method.into())
+        unsuited(&discretise(&parsed_with(text, overrides)).unwrap(), method.into())
     };
     let small = "mesh.elements=[3,3,3]";
     assert_eq!(of(&[small], Method::BN), (!built_in).then_some(Unsuited::NotBuiltIn));
@@ -123,8 +122,8 @@ fn who_multigrid_is_for() {
 fn without_contact_any_choice_solves() {
     let text = include_str!("../../data/scenes/block.toml");
     let (contact, load) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
-    let overrides = ["mesh.elements=[4,4]", "solver.linear=\"auto\""].map(|text| text.parse().unwrap());
-    let scene = Scene::parse("block.toml", &[&text[..contact], &text[load..]].concat(), &overrides).unwrap();
+    let scene =
+        parsed_with(&[&text[..contact], &text[load..]].concat(), &["mesh.elements=[4,4]", "solver.linear=\"auto\""]);
     let model = discretise(&scene).unwrap();
     let choice = cheapest(&scene, &model, None);
     assert_eq!(run(&scene, &model, choice.linear).0.status, Status::Converged);

@@ -17,7 +17,7 @@ fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -
          obstacle = {{ kind = \"formula\", formula = \"0.1 * x^2 - 0.02\" }}\n\
          [time]\nend = 1.0\nincrements = 1\n"
     );
-    Scene::parse("cylinder.toml", &text, &[]).unwrap()
+    parsed(&text)
 }
 
 fn solve(model: &Model, times: &[f64], solver: SolverChoice, observer: &mut dyn Observer) -> HistoryOutcome {

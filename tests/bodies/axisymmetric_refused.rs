@@ -1,161 +1,56 @@
 //! What a body of revolution cannot be, hold, carry or touch.
 
-use crate::common::faults::{InputError, line_of, verify};
+use crate::common::faults::{refused, verify_all};
 use crate::common::prelude::*;
 
-const DISC: &str = r#"
-[mesh]
-kind = "block"
-size = [1.0, 1.0]
-elements = [2, 2]
-[material]
-young = 1e9
-poisson = 0.3
-density = 1000
-plane = "axisymmetric"
-[[support]]
-boundary = "top"
-fix = ["x", "y"]
-[[contact]]
-boundary = "bottom"
-friction = 0.3
-[contact.obstacle]
-kind = "plane"
-gap = 0.01
-[[load]]
-boundary = "right"
-traction = [0.0, -1.0]
-[time]
-end = 1.0
-increments = 1
+static DISC: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+[mesh] kind = "block", size = [1.0, 1.0], elements = [2, 2]
+[material] young = 1e9, poisson = 0.3, density = 1000, plane = "axisymmetric"
+[[support]] boundary = "top", fix = ["x", "y"]
+[[contact]] boundary = "bottom", friction = 0.3
+[contact.obstacle] kind = "plane", gap = 0.01
+[[load]] boundary = "right", traction = [0.0, -1.0]
+[time] end = 1.0, increments = 1
+"#,
+    )
+});
+
+const FAULTS: &str = r#"
+boundary = "right"¶traction = [0.0, -1.0] |
+    boundary = "right"¶traction = [0.0, -1.0]¶[[spring]]¶boundary = "left"¶normal = 1e6 | boundary = "left" |
+    is the axis of the body & no area for a foundation | another boundary
+elements = [2, 2] | elements = [2, 2]¶origin = [-0.5, 0] | plane = | distance from the axis & (-0.5, 0) m |
+    one half of the section
+fix = ["x", "y"] | fix = ["x", "y"]¶displacement = [1e-3, 0] | displacement | (0, 1) m aside & on the axis |
+    move along y
+boundary = "right"¶traction = [0.0, -1.0] | rotation = { through = [0.5, 0], speed = 1.0 } | rotation |
+    does not go through that of the body | [0, 0]
+boundary = "right"¶traction = [0.0, -1.0] | rotation = { axis = [0, 0, 1], through = [0, 0], speed = 1.0 } | rotation |
+    not that of the body, y | leave it out
+boundary = "right"¶traction = [0.0, -1.0] | acceleration = [1.0, -9.81] | acceleration | along x & all sides | [0, y]
+boundary = "right"¶traction = [0.0, -1.0] | boundary = "left"¶force = [0.0, -1.0] | boundary = "left" |
+    `left` is the axis & no area | another boundary
+gap = 0.01 | gap = 0.01¶motion = { rotation = { through = [0, 0], history = [[0, 0], [1, 0.1]] } } |
+    [contact.obstacle] | the obstacle turns & axisymmetric | rubs across the section
+gap = 0.01 | gap = 0.01¶motion = { translation = [[0, 0, 0], [1, 0.1, 0]] } | [contact.obstacle] |
+    away from the axis & translation | along y
+boundary = "bottom"¶friction = 0.3¶[contact.obstacle] |
+    boundary = "right"¶friction = 0.3¶[contact.obstacle]¶approach = [[0, 0], [1, 0.1]] | [contact.obstacle] |
+    away from the axis & approach | negative gap
+kind = "plane"¶gap = 0.01 | kind = "sphere"¶radius = 1.0¶center = [0.1, -1.01] | [contact.obstacle] |
+    sphere & not about the axis x = 0 | a ring
+kind = "plane"¶gap = 0.01 | kind = "cone"¶half_angle = 1.2¶apex = [0.0, -0.01]¶axis = [0.1, -1.0] | [contact.obstacle] |
+    cone & not about the axis x = 0 | [0, -1]
+kind = "plane"¶gap = 0.01 | kind = "surface"¶file = "any.stl" | [contact.obstacle] | surface & two dimensions | table
+size = [1.0, 1.0]¶elements = [2, 2] | size = [1, 1, 1]¶elements = [2, 2, 2] | plane = | three dimensions | remove
 "#;
-
-const FAULTS: &[InputError] = &[
-    (
-        "boundary = \"right\"\ntraction = [0.0, -1.0]",
-        "boundary = \"right\"\ntraction = [0.0, -1.0]\n[[spring]]\nboundary = \"left\"\nnormal = 1e6",
-        "boundary = \"left\"",
-        &["is the axis of the body", "no area for a foundation"],
-        "another boundary",
-    ),
-    (
-        "elements = [2, 2]",
-        "elements = [2, 2]\norigin = [-0.5, 0]",
-        "plane =",
-        &["distance from the axis", "(-0.5, 0) m"],
-        "one half of the section",
-    ),
-    (
-        "fix = [\"x\", \"y\"]",
-        "fix = [\"x\", \"y\"]\ndisplacement = [1e-3, 0]",
-        "displacement",
-        &["(0, 1) m aside", "on the axis"],
-        "move along y",
-    ),
-    (
-        "traction = [0.0, -1.0]",
-        "rotation = { through = [0.5, 0], speed = 1.0 }",
-        "rotation",
-        &["does not go through that of the body"],
-        "[0, 0]",
-    ),
-    (
-        "boundary = \"right\"\ntraction = [0.0, -1.0]",
-        "rotation = { axis = [0, 0, 1], through = [0, 0], speed = 1.0 }",
-        "rotation",
-        &["not that of the body, y"],
-        "leave it out",
-    ),
-    (
-        "boundary = \"right\"\ntraction = [0.0, -1.0]",
-        "acceleration = [1.0, -9.81]",
-        "acceleration",
-        &["along x", "all sides"],
-        "[0, y]",
-    ),
-    (
-        "boundary = \"right\"\ntraction = [0.0, -1.0]",
-        "boundary = \"left\"\nforce = [0.0, -1.0]",
-        "boundary = \"left\"",
-        &["`left` is the axis", "no area"],
-        "another boundary",
-    ),
-    (
-        "gap = 0.01",
-        "gap = 0.01\nmotion = { rotation = { through = [0, 0], history = [[0, 0], [1, 0.1]] } }",
-        "[contact.obstacle]",
-        &["the obstacle turns", "axisymmetric"],
-        "rubs across the section",
-    ),
-    (
-        "gap = 0.01",
-        "gap = 0.01\nmotion = { translation = [[0, 0, 0], [1, 0.1, 0]] }",
-        "[contact.obstacle]",
-        &["away from the axis", "translation"],
-        "along y",
-    ),
-    (
-        "boundary = \"bottom\"\nfriction = 0.3\n[contact.obstacle]",
-        "boundary = \"right\"\nfriction = 0.3\n[contact.obstacle]\napproach = [[0, 0], [1, 0.1]]",
-        "[contact.obstacle]",
-        &["away from the axis", "approach"],
-        "negative gap",
-    ),
-    (
-        "kind = \"plane\"\ngap = 0.01",
-        "kind = \"sphere\"\nradius = 1.0\ncenter = [0.1, -1.01]",
-        "[contact.obstacle]",
-        &["sphere", "not about the axis x = 0"],
-        "a ring",
-    ),
-    (
-        "kind = \"plane\"\ngap = 0.01",
-        "kind = \"cone\"\nhalf_angle = 1.2\napex = [0.0, -0.01]\naxis = [0.1, -1.0]",
-        "[contact.obstacle]",
-        &["cone", "not about the axis x = 0"],
-        "[0, -1]",
-    ),
-    (
-        "kind = \"plane\"\ngap = 0.01",
-        "kind = \"surface\"\nfile = \"any.stl\"",
-        "[contact.obstacle]",
-        &["surface", "two dimensions"],
-        "table",
-    ),
-    (
-        "size = [1.0, 1.0]\nelements = [2, 2]",
-        "size = [1, 1, 1]\nelements = [2, 2, 2]",
-        "plane =",
-        &["three dimensions"],
-        "remove",
-    ),
-];
-
-/// Why the scene `text` is refused for its mesh.
-fn refused(text: &str) -> SceneError {
-    let scene = match Scene::parse("scene.toml", text, &[]) {
-        Ok(scene) => scene,
-        Err(error) => return error,
-    };
-    match discretise(&scene) {
-        Err(stickslip::run::RunError::Scene(error)) => error,
-        Err(error) => panic!("not the scene's fault: {error}"),
-        Ok(_) => panic!("accepted:\n{text}"),
-    }
-}
 
 #[test]
 fn what_is_no_body_of_revolution() {
-    assert!(discretise(&Scene::parse("scene.toml", DISC, &[]).unwrap()).is_ok());
-    for &(from, to, marker, says, remedy) in FAULTS {
-        let text = edit(DISC, from, to);
-        let text = if to.starts_with("rotation") && from.starts_with("traction") {
-            edit(&text, "boundary = \"right\"\n", "")
-        } else {
-            text
-        };
-        verify(&refused(&text), &text, line_of(&text, marker), says, remedy);
-    }
+    assert!(discretise(&parsed(&DISC)).is_ok());
+    verify_all(&DISC, FAULTS, refused);
 }
 
 /// What asks nothing of the axis that it does not hold by itself is no fault, and obstacles of revolution of every kind are none.
@@ -174,7 +69,7 @@ fn what_is_one() {
         ("kind = \"plane\"\ngap = 0.01", "kind = \"plane\"\nthrough = [0, -0.2]\nnormal = [0.1, -1]"),
         ("gap = 0.01", "gap = 0.01\nmotion = { translation = [[0, 0, 0], [1, 0, 0.02]] }"),
     ] {
-        let text = edit(DISC, from, to);
-        assert!(discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).is_ok(), "{to}");
+        let text = edit(&DISC, from, to);
+        assert!(discretise(&parsed(&text)).is_ok(), "{to}");
     }
 }

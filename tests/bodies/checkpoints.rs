@@ -23,8 +23,7 @@ impl Observer for All {
 }
 
 fn scene(text: &str, set: &[&str]) -> Scene {
-    let set: Vec<_> = set.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("scene.toml", text, &set).unwrap()
+    parsed_with(text, set)
 }
 
 /// Takes the run of a scene up from each of its checkpoints; gives how many there were.

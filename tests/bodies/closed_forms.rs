@@ -15,7 +15,7 @@ fn compressed(plane: &str, friction: f64) -> Scene {
         time = {{ end = 1, increments = 3 }}
         "#
     );
-    Scene::parse("compressed.toml", &text, &[]).unwrap()
+    parsed(&text)
 }
 
 /// Contact patch test: without friction the pressure is the load and the strain that of uniaxial

@@ -154,29 +154,18 @@ fn a_rescue() {
 /// that holds it on its way.
 #[test]
 fn a_body_that_comes_to_stand_on_a_node() {
-    let text = r#"
-        [mesh]
-        kind = "block"
-        size = [1, 1, 1]
-        elements = [1, 4, 4]
-        [material]
-        young = 210e9
-        poisson = -0.5
-        [[support]]
-        boundary = "top"
-        fix = ["x", "y"]
-        [[contact]]
-        boundary = "bottom"
-        friction = 1
-        obstacle = { kind = "plane", gap = 1e-6, normal = [0.0996921, 0.186155, -1] }
-        [[load]]
-        boundary = "top"
-        traction = [0, 0, -1e6]
-        [time]
-        end = 1
-        increments = 4
-    "#;
-    let (_, outcome, _) = solve(&Scene::parse("corner.toml", text, &[]).unwrap());
+    let text = scene_text(
+        r#"
+[mesh] kind = "block", size = [1, 1, 1], elements = [1, 4, 4]
+[material] young = 210e9, poisson = -0.5
+[[support]] boundary = "top", fix = ["x", "y"]
+[[contact]] boundary = "bottom", friction = 1
+obstacle = { kind = "plane", gap = 1e-6, normal = [0.0996921, 0.186155, -1] }
+[[load]] boundary = "top", traction = [0, 0, -1e6]
+[time] end = 1, increments = 4
+"#,
+    );
+    let (_, outcome, _) = solve(&parsed(&text));
     assert_eq!(outcome.state.p_n.iter().filter(|p| **p > 0.0).count(), 1);
     assert!(outcome.records.iter().all(|record| !record.rescued && record.parts == 1 && record.iterations <= 3));
 }
@@ -309,7 +298,7 @@ fn a_turned_scene_gives_turned_results() {
             vector([-3e6, 0.0, 0.0]),
             vector([0.0, 3e6, 0.0]),
         );
-        solve(&Scene::parse("turned.toml", &scene, &[]).unwrap())
+        solve(&parsed(&scene))
     };
     let (model, upright, keep) = solve_turned("upright.msh", &|x| x);
     let (other, oblique, states) = solve_turned("oblique.msh", &turn);

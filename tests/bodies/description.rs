@@ -40,35 +40,19 @@ fn the_block_from_text_and_from_rust() {
 
 #[test]
 fn obstacles_that_move_from_text_and_from_rust() {
-    let text = r#"
-        [mesh]
-        kind = "block"
-        size = [[0.5, 0.5], 1.0]
-        elements = [[2, 3], 2]
-        grading = [[1.0, 2.0], 1.0]
-        cells = "triangle"
-        [material]
-        young = 1e9
-        poisson = 0.3
-        layers = [[0.5, 2e9, 0.2]]
-        [[support]]
-        boundary = "top"
-        fix = ["x", "y"]
-        [[contact]]
-        boundary = "bottom"
-        friction = 0.3
-        [contact.obstacle]
-        kind = "cylinder"
-        radius = 5.0
-        apex = [0.5, -1e-3]
-        direction = "nearest"
-        approach = [[0, 0], [1, 2e-3]]
-        motion.translation = [[0, 0, 0], [3, 0.1, 0]]
-        motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
-        [time]
-        end = 2
-        increments = 4
-    "#;
+    let text = scene_text(
+        r#"
+[mesh] kind = "block", size = [[0.5, 0.5], 1.0], elements = [[2, 3], 2], grading = [[1.0, 2.0], 1.0]
+cells = "triangle"
+[material] young = 1e9, poisson = 0.3, layers = [[0.5, 2e9, 0.2]]
+[[support]] boundary = "top", fix = ["x", "y"]
+[[contact]] boundary = "bottom", friction = 0.3
+[contact.obstacle] kind = "cylinder", radius = 5.0, apex = [0.5, -1e-3], direction = "nearest"
+approach = [[0, 0], [1, 2e-3]], motion.translation = [[0, 0, 0], [3, 0.1, 0]]
+motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
+[time] end = 2, increments = 4
+"#,
+    );
     let source = MeshSource::Block {
         axes: vec![
             [(2, 1.0), (3, 2.0)].map(|(elements, grading)| Segment { length: 0.5, elements, grading }).to_vec(),
@@ -89,7 +73,7 @@ fn obstacles_that_move_from_text_and_from_rust() {
         Description::new(source, Material { layers, ..Material::new(1e9, 0.3) }, equal_increments(2.0, 4))
             .support("top", &[Axis::X, Axis::Y])
             .contact("bottom", 0.3, roller);
-    let of_text = discretise(&Scene::parse("roller.toml", text, &[]).unwrap()).unwrap();
+    let of_text = model_of(&text);
     assert_equal(&of_text, &Model::build(&description).unwrap());
     assert_eq!(
         (of_text.times(), of_text.loading.bends()[0].times()),

@@ -12,7 +12,7 @@ fn small() -> Scene {
 /// All increments, the last, or some; each with data and result that satisfy the laws as the record says.
 #[test]
 fn a_recording_keeps_what_is_wanted() {
-    let scene = Scene::parse("belt.toml", BELT, &[]).unwrap();
+    let scene = parsed(&BELT);
     let run = Run::new(&scene).unwrap();
     let numbers = |mut recording: Recording| {
         let report = run.solve(&mut recording).unwrap();

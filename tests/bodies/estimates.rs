@@ -282,7 +282,7 @@ fn moved_blocks(
         ),
     ]
     .concat();
-    let report = Run::new(&Scene::parse("blocks", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+    let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     report
 }

@@ -119,7 +119,7 @@ fn friction_that_begins_and_ends_at_zero() {
              [[load]]\nboundary = \"top\"\ntraction = {press}\nhistory = [[0, 0], [1, 1]]\n\
              [[load]]\nboundary = \"right\"\ntraction = {push}\nhistory = [[1.5, 0], [3, 1]]\n"
         );
-        let scene = Scene::parse("grease.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let mut recording = Recording::default();
         let report = Run::new(&scene).unwrap().solve(&mut recording).unwrap();
         assert_eq!(report.status, Status::Converged, "{cells} {method} {linear}");

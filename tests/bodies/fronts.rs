@@ -8,7 +8,7 @@ use stickslip::body::Contact;
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 
 fn belt(obstacle: &str) -> (Model, Vec<State>) {
-    let scene = Scene::parse("belt.toml", &BELT.replace(&format!("{{ {PLANE} }}"), obstacle), &[]).unwrap();
+    let scene = parsed(&BELT.replace(&format!("{{ {PLANE} }}"), obstacle));
     let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     assert_eq!(common::run(&scene, &model, &mut keep).status, Status::Converged, "{obstacle}");
     (model, keep.states)
@@ -53,7 +53,7 @@ fn a_small_roller_reaches_nodes_later() {
                  motion = { translation = [[0, 0, 0], [2, 0.5, 0]] } }";
     let scene = |obstacle: &str| {
         let text = BELT.replace(&format!("{{ {PLANE} }}"), obstacle);
-        discretise(&Scene::parse("roller.toml", &text, &[]).unwrap()).unwrap()
+        model_of(&text)
     };
     let model = scene(rolls);
     // From 0.05 to 0.95 in the end.
@@ -92,7 +92,7 @@ fn of_several_obstacles_the_nearest_counts() {
         )
     };
     let text = BELT.replace(&format!("    obstacle = {{ {PLANE} }}\n"), &format!("{}{}", table(one), table(other)));
-    let scene = Scene::parse("belt.toml", &text, &["contact.obstacle[0].radius=0.3".parse().unwrap()]).unwrap();
+    let scene = parsed_with(&text, &["contact.obstacle[0].radius=0.3"]);
     let by_tables = discretise(&scene).unwrap();
     assert_eq!(by_tables.loading, model.loading);
     let wider = scene.with(&["contact.obstacle.radius=0.4".parse().unwrap()]).unwrap();

@@ -59,7 +59,7 @@ fn pressed(finer: usize, more: &str) -> RunReport {
         12 * finer,
         6 * finer
     );
-    let report = Run::new(&Scene::parse("block", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+    let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     report
 }
@@ -108,7 +108,7 @@ fn an_error_of_increments_above_the_force_is_unknown() {
              [[load]]\nboundary = \"top\"\npressure = 4e6\nhistory = [[0, 0], [1, 1], [2, 1]]\n\
              [time]\nend = 2\nincrements = {increments}\n"
         );
-        let report = Run::new(&Scene::parse("spring", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+        let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
         (report.estimates.increments.unwrap().resultant_error.unwrap(), report.holding_force.unwrap().time_error)
     };
     let (error, told) = of(4);

@@ -17,7 +17,7 @@ fn sink(mesh: &str) -> Vec<[f64; 3]> {
          [[load]]\nboundary = \"top\"\ntraction = [0.0, -{PRESSURE}]\n\
          [time]\nend = 1.0\nincrements = 1\n"
     );
-    let scene = Scene::parse("layers.toml", &text, &[]).unwrap();
+    let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut common::Keep::default());
     assert_eq!(outcome.status, Status::Converged);

@@ -5,7 +5,7 @@ use crate::common::BELT;
 use crate::common::prelude::*;
 
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
-    let scene = Scene::parse("belt.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     let mut keep = Keep::default();
     let settings = stickslip::solver::history::HistorySettings::new(&model.problem, &model.loading, Method::BN)
@@ -30,7 +30,7 @@ fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
 /// whole friction μ N pulls along the belt.
 #[test]
 fn a_running_belt_pulls_with_the_whole_friction() {
-    let (_, sums) = solve(BELT);
+    let (_, sums) = solve(&BELT);
     assert!((sums[1][0] - 1e5).abs() < 1e-3 && sums[1][1].abs() < 1e-3, "{sums:?}");
     // p_t is the force of the body on the obstacle, against the motion of the belt.
     for k in [2, 3] {
@@ -64,8 +64,8 @@ fn roller(radius: f64, motion: &str) -> String {
 /// wedge it leaves that range.
 #[test]
 fn only_the_body_leaves_the_range() {
-    let share = |text: &str| left(&Scene::parse("belt.toml", text, &[]).unwrap());
-    assert!(share(BELT).is_none());
+    let share = |text: &str| left(&parsed(text));
+    assert!(share(&BELT).is_none());
     assert!(share(&roller(10.0, "rotation = { through = [0.5, -10.0], history = [[0, 0], [2, 6.0]] }")).is_none());
     for distance in ["0.02", "0.2", "-0.3"] {
         let translation = format!("translation = [[0, 0, 0], [1, 0, 0], [2, {distance}, 0]]");
@@ -85,7 +85,7 @@ fn only_the_body_leaves_the_range() {
 #[test]
 fn a_roller_passes() {
     let last = |text: &str| {
-        let scene = Scene::parse("roller.toml", text, &[]).unwrap();
+        let scene = parsed(text);
         let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
         assert_eq!(common::run_default(&scene, &model, &mut keep).status, Status::Converged);
         (model, keep.states.last().unwrap().p_n.clone())
@@ -114,7 +114,7 @@ fn gaps_are_exact_however_small_the_motion() {
     for (approach, aside) in [(1e-9, 1.3e-6), (1e-10, 1.3e-6), (1e-15, 4e-9)] {
         let text = roller(1.0, &format!("translation = [[0, 0, 0], [2, {aside:e}, 0]]"));
         let text = text.replace("motion = {", &format!("approach = [[0, 0], [2, {approach:e}]], motion = {{"));
-        let model = discretise(&Scene::parse("tiny.toml", &text, &[]).unwrap()).unwrap();
+        let model = model_of(&text);
         for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(2.0)) {
             let s = contact.position[0] - 0.5 - aside;
             let error = (gap - (s * s / (1.0 + (1.0 - s * s).sqrt()) - approach)).abs();
@@ -131,7 +131,7 @@ fn what_turns_in_itself_has_no_bend() {
         let approach = "translation = [[0, 0, 0], [2, 0, 1e-4]]";
         let text =
             roller(0.7, &format!("{approach}, rotation = {{ through = {centre}, history = [[0, 0], [2, 1.0]] }}"));
-        let model = discretise(&Scene::parse("turning.toml", &text, &[]).unwrap()).unwrap();
+        let model = model_of(&text);
         assert_eq!(model.loading.bends().len(), bends, "{centre}");
     }
 }
@@ -142,7 +142,7 @@ fn a_plane_that_tips() {
     let tips =
         "kind = \"plane\", gap = 0.0, motion = { rotation = { through = [1, 0], history = [[0, 0], [2, 0.4]] } }";
     let text = BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", tips);
-    let model = discretise(&Scene::parse("tips.toml", &text, &[]).unwrap()).unwrap();
+    let model = model_of(&text);
     for (t, angle) in [(0.5, 0.1_f64), (2.0, 0.4)] {
         for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
             let expected = (1.0 - contact.position[0]) * angle.tan();

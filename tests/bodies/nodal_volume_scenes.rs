@@ -10,7 +10,7 @@ use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// A scene with every linear algebra of this build.
 fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording)) {
-    let scene = Scene::parse("body.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     for (name, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
         let mut recording = Recording::all();
@@ -214,7 +214,7 @@ fn the_error_of_the_mesh_is_seen() {
                 vec![1; d],
                 vec![n; d]
             );
-            let scene = Scene::parse("bent.toml", &text, &[]).unwrap();
+            let scene = parsed(&text);
             let (model, mut recording) = (discretise(&scene).unwrap(), Recording::all());
             let report = Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut recording).unwrap();
             assert_eq!(report.status, Status::Converged);

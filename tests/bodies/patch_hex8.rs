@@ -383,7 +383,7 @@ fn contact_patch_test() {
              [[load]]\nboundary = \"top\"\ntraction = {traction}\n\
              [time]\nend = 1.0\nincrements = 1\n"
         );
-        let scene = Scene::parse("patch.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, stickslip::solver::history::Status::Converged, "{cells}");

@@ -6,7 +6,7 @@
 use crate::common::prelude::*;
 
 fn solved(text: &str) -> RunReport {
-    let scene = Scene::parse("rubber.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..scene.solver };
     let report = Run::of(&model, scene.time.all(), solver).unwrap().solve(&mut ()).unwrap();

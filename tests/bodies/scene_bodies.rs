@@ -2,75 +2,43 @@
 
 use crate::common::prelude::*;
 
-use crate::common::faults::{line_of, located, verify};
+use crate::common::faults::{built, located, says, verify_all};
 
 /// Two blocks, one above the other, each held by its own top and pressed on its own floor.
-pub const TWO: &str = r#"
-[[body]]
-name = "lower"
-[body.mesh]
-kind = "block"
-size = [1.0, 0.5]
+pub static TWO: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+[[body]] name = "lower"
+[body.mesh] kind = "block", size = [1.0, 0.5]
 elements = [8, 4]  # lower
 [body.material]
 young = 210e9  # steel
 poisson = 0.3
-
-[[body]]
-name = "upper"
-at = [0.1, 0.7]
-[body.mesh]
-kind = "block"
-size = [0.6, 0.4]
+[[body]] name = "upper", at = [0.1, 0.7]
+[body.mesh] kind = "block", size = [0.6, 0.4]
 elements = [5, 4]  # upper
 [body.material]
 young = 70e9  # aluminium
 poisson = 0.25  # aluminium, too
 density = 2700
-
-[[contact]]
-boundary = "lower:bottom"
-friction = 0.3
-obstacle = { kind = "plane" }
-
-[[contact]]
-boundary = "upper:bottom"
-friction = 0.2
-obstacle = { kind = "plane", gap = 1e-6 }
-
-[[support]]
-boundary = "lower:left"
-fix = ["x"]
-
-[[support]]
-boundary = "upper:left"
-fix = ["x"]
-
-[[load]]
-boundary = "lower:top"
-traction = [0, -1e7]
-
-[[load]]
-boundary = "upper:top"
-traction = [1e6, -2e7]
-
-[time]
-end = 1
-increments = 4
-"#;
-
-fn read(text: &str) -> Scene {
-    Scene::parse("scene.toml", text, &[]).unwrap()
-}
+[[contact]] boundary = "lower:bottom", friction = 0.3, obstacle = { kind = "plane" }
+[[contact]] boundary = "upper:bottom", friction = 0.2, obstacle = { kind = "plane", gap = 1e-6 }
+[[support]] boundary = "lower:left", fix = ["x"]
+[[support]] boundary = "upper:left", fix = ["x"]
+[[load]] boundary = "lower:top", traction = [0, -1e7]
+[[load]] boundary = "upper:top", traction = [1e6, -2e7]
+[time] end = 1, increments = 4
+"#,
+    )
+});
 
 fn with(overrides: &[&str]) -> Scene {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("scene.toml", TWO, &overrides).unwrap()
+    parsed_with(&TWO, overrides)
 }
 
 #[test]
 fn bodies_become_one_mesh_and_their_materials_groups() {
-    let scene = read(TWO);
+    let scene = parsed(&TWO);
     let description = &scene.description;
     let upper = Body::new("upper", MeshSource::block([0.6, 0.4], [5, 4])).at([0.1, 0.7]);
     let lower = Body::new("lower", MeshSource::block([1.0, 0.5], [8, 4]));
@@ -113,20 +81,19 @@ fn overrides_reach_bodies() {
         ("material.young=1e9", "the scene has no [material], but [[body]]", "body[0].material"),
         ("body[2].material.young=1e9", "the scene has 2 [[body]]", "count from 0"),
     ] {
-        let error = Scene::parse("scene.toml", TWO, &[text.parse().unwrap()]).unwrap_err();
-        assert!(error.to_string().contains(words), "{error}");
-        assert!(error.help().unwrap().to_string().contains(help), "{words}: {}", error.help().unwrap());
+        let error = Scene::parse("scene.toml", &TWO, &[text.parse().unwrap()]).unwrap_err();
+        says(&error, words, help);
     }
 }
 
 #[test]
 fn numbers_of_bodies_are_in_the_units_of_the_scene() {
     let text = edit(
-        TWO,
+        &TWO,
         "\n[[body]]\nname = \"lower\"",
         "\n[units]\nlength = \"mm\"\nstress = \"MPa\"\n[[body]]\nname = \"lower\"",
     );
-    let scene = read(&text);
+    let scene = parsed(&text);
     let MeshSource::Bodies(bodies) = &scene.description.mesh else { panic!() };
     assert_eq!(
         (bodies[1].at, &bodies[1].mesh),
@@ -135,150 +102,61 @@ fn numbers_of_bodies_are_in_the_units_of_the_scene() {
     assert_eq!(scene.description.material.groups[1].young, 70e15);
 }
 
+const READ: &str = r#"
+name = "lower" | name = "" | name = "" | the name of a body is "" & in one line | "ring"
+name = "lower" | name = "lo\u001b[31mw" | name = "lo | \u{1b}[31mw & in one line | "ring"
+name = "lower" | name = "lo\u0000w" | name = "lo | in one line | "ring"
+name = "lower" | name = "lo\nw" | name = "lo | in one line | "ring"
+name = "upper" | name = "a:b" | name = "a:b" | "a:b" | name:boundary
+name = "upper" | name = "lower" | name = "lower"¶at | another body is called `lower` | of its own
+name = "upper"¶ | - | [[body]]¶at | missing field `name` | add the key
+at = [0.1, 0.7] | at = [0.1, 0.7, 0] | at = | body[1].at is [0.1, 0.7, 0.0] & each dimension | [0, 0.5]
+at = [0.1, 0.7] | at = [0.1, nan] | at = | body[1].at & NaN | origin of the body's mesh
+at = [0.1, 0.7] | at = [0.1, 0.7]¶on = 1 | on = 1 | unknown field `on` & `at` | remove the key
+elements = [5, 4] | elements = [5, 0] | elements = [5 | mesh.elements is [5, 0] | along each axis
+elements = [5, 4] | elements = [5, 4]¶layers = 3 | layers = 3 | a block has no mesh.layers | remove the key
+size = [0.6, 0.4] | size = [0.6, 0.4, 1] | elements = [5 | mesh.elements & for each length | mesh.size says
+young = 70e9 | young = -70e9 | young = -70e9 | Young's modulus of the group `upper` & positive | in Pa
+young = 210e9 | young = 0 | young = 0 | material.young is 0.0 & positive | in Pa
+poisson = 0.25 | poisson = 0.5 | poisson = 0.5 | Poisson's ratio of the group `upper` | 0.49
+density = 2700 | plane = "stress" | plane = | `upper` is in another plane state | the same material.plane
+density = 2700 | layers = [[0.1, 1e9, 0.3]] | layers = | `upper` has layers | a body for each layer
+density = 2700 | [[body.material.group]]¶name = "rim"¶young = 0¶poisson = 0.1 | young = 0 |
+    Young's modulus of the group `upper:rim` | in Pa
+elements = [5, 4] | elements = [5, 4]¶element = "b-bar" | element = "b-bar" |
+    the elements of `upper` are "b-bar", those before it "bilinear" | the same mesh.element
+[time] | [mesh]¶kind = "block"¶[time] | [mesh] | the scene has [mesh] and [[body]] | remove [[body]]
+[time] | [material]¶young = 1¶poisson = 0¶[time] | [material] | the scene has [material] and [[body]] | [body.material]
+"#;
+
 /// Each fault is told on the line of the body that it is of.
 #[test]
 fn what_is_wrong_with_a_body_is_told_at_its_place() {
-    type Case = (&'static str, &'static str, &'static str, &'static [&'static str], &'static str);
-    let cases: &[Case] = &[
-        ("name = \"lower\"", "name = \"\"", "name = \"\"", &["the name of a body is \"\"", "in one line"], "\"ring\""),
-        ("name = \"lower\"", "name = \"lo\\u001b[31mw\"", "name = \"lo", &["\\u{1b}[31mw", "in one line"], "\"ring\""),
-        ("name = \"lower\"", "name = \"lo\\u0000w\"", "name = \"lo", &["in one line"], "\"ring\""),
-        ("name = \"lower\"", "name = \"lo\\nw\"", "name = \"lo", &["in one line"], "\"ring\""),
-        ("name = \"upper\"", "name = \"a:b\"", "name = \"a:b\"", &["\"a:b\""], "name:boundary"),
-        (
-            "name = \"upper\"",
-            "name = \"lower\"",
-            "name = \"lower\"\nat",
-            &["another body is called `lower`"],
-            "of its own",
-        ),
-        ("name = \"upper\"\n", "", "[[body]]\nat", &["missing field `name`"], "add the key"),
-        (
-            "at = [0.1, 0.7]",
-            "at = [0.1, 0.7, 0]",
-            "at =",
-            &["body[1].at is [0.1, 0.7, 0.0]", "each dimension"],
-            "[0, 0.5]",
-        ),
-        ("at = [0.1, 0.7]", "at = [0.1, nan]", "at =", &["body[1].at", "NaN"], "origin of the body's mesh"),
-        ("at = [0.1, 0.7]", "at = [0.1, 0.7]\non = 1", "on = 1", &["unknown field `on`", "`at`"], "remove the key"),
-        ("elements = [5, 4]", "elements = [5, 0]", "elements = [5", &["mesh.elements is [5, 0]"], "along each axis"),
-        (
-            "elements = [5, 4]",
-            "elements = [5, 4]\nlayers = 3",
-            "layers = 3",
-            &["a block has no mesh.layers"],
-            "remove the key",
-        ),
-        (
-            "size = [0.6, 0.4]",
-            "size = [0.6, 0.4, 1]",
-            "elements = [5",
-            &["mesh.elements", "for each length"],
-            "mesh.size says",
-        ),
-        (
-            "young = 70e9",
-            "young = -70e9",
-            "young = -70e9",
-            &["Young's modulus of the group `upper`", "positive"],
-            "in Pa",
-        ),
-        ("young = 210e9", "young = 0", "young = 0", &["material.young is 0.0", "positive"], "in Pa"),
-        ("poisson = 0.25", "poisson = 0.5", "poisson = 0.5", &["Poisson's ratio of the group `upper`"], "0.49"),
-        (
-            "density = 2700",
-            "plane = \"stress\"",
-            "plane =",
-            &["`upper` is in another plane state"],
-            "the same material.plane",
-        ),
-        ("density = 2700", "layers = [[0.1, 1e9, 0.3]]", "layers =", &["`upper` has layers"], "a body for each layer"),
-        (
-            "density = 2700",
-            "[[body.material.group]]\nname = \"rim\"\nyoung = 0\npoisson = 0.1",
-            "young = 0",
-            &["Young's modulus of the group `upper:rim`"],
-            "in Pa",
-        ),
-        (
-            "elements = [5, 4]",
-            "elements = [5, 4]\nelement = \"b-bar\"",
-            "element = \"b-bar\"",
-            &["the elements of `upper` are \"b-bar\", those before it \"bilinear\""],
-            "the same mesh.element",
-        ),
-        (
-            "[time]",
-            "[mesh]\nkind = \"block\"\n[time]",
-            "[mesh]",
-            &["the scene has [mesh] and [[body]]"],
-            "remove [[body]]",
-        ),
-        (
-            "[time]",
-            "[material]\nyoung = 1\npoisson = 0\n[time]",
-            "[material]",
-            &["the scene has [material] and [[body]]"],
-            "[body.material]",
-        ),
-    ];
-    for &(from, to, marker, says, help) in cases {
-        let text = edit(TWO, from, to);
-        verify(&located(&text), &text, line_of(&text, marker), says, help);
-    }
+    verify_all(&TWO, READ, located);
 }
+
+const BUILT: &str = r#"
+[time] | [[load]]¶acceleration = [0, -9.81]¶¶[time] | [body.material]¶young = 210e9 | density of the group `lower` |
+    7850
+density = 2700 | [[body.material.group]]¶name = "rim"¶young = 1¶poisson = 0.1 | name = "rim" |
+    no material group `upper:rim` | lower, upper
+boundary = "upper:bottom" | boundary = "bottom" | boundary = "bottom" | no boundary `bottom` | upper:top
+at = [0.1, 0.7] | at = [0.125, 0.5] | [[body]]¶name = "upper" | both have a node at (0.125, 0.5) m | against
+at = [0.1, 0.7] | at = [0.1, 0.45] | [[body]]¶name = "upper" | the body `lower` is inside `upper`, at (0.125, 0.5) m |
+    apart
+"#;
 
 /// What only the mesh tells.
 #[test]
 fn what_the_model_refuses_is_told_at_its_place() {
-    let weight = "[[load]]\nacceleration = [0, -9.81]\n\n[time]";
-    let on_top = "elements = [5, 4]  # upper\ncells = \"triangle\"";
-    let cases: &[(&str, &str, &str, &[&str], &str)] = &[
-        ("[time]", weight, "[body.material]\nyoung = 210e9", &["density of the group `lower`"], "7850"),
-        (
-            "density = 2700",
-            "[[body.material.group]]\nname = \"rim\"\nyoung = 1\npoisson = 0.1",
-            "name = \"rim\"",
-            &["no material group `upper:rim`"],
-            "lower, upper",
-        ),
-        (
-            "boundary = \"upper:bottom\"",
-            "boundary = \"bottom\"",
-            "boundary = \"bottom\"",
-            &["no boundary `bottom`"],
-            "upper:top",
-        ),
-        (
-            "at = [0.1, 0.7]",
-            "at = [0.125, 0.5]",
-            "[[body]]\nname = \"upper\"",
-            &["both have a node at (0.125, 0.5) m"],
-            "against",
-        ),
-        (
-            "at = [0.1, 0.7]",
-            "at = [0.1, 0.45]",
-            "[[body]]\nname = \"upper\"",
-            &["the body `lower` is inside `upper`, at (0.125, 0.5) m"],
-            "apart",
-        ),
-        ("elements = [5, 4]  # upper", on_top, "", &[], ""),
-    ];
-    for &(from, to, marker, says, help) in cases {
-        let text = edit(TWO, from, to);
-        let model = discretise(&read(&text));
-        if marker.is_empty() {
-            assert!(model.is_ok(), "{to}");
-            continue;
-        }
-        let stickslip::run::RunError::Scene(error) = model.unwrap_err() else { panic!("{to}") };
-        verify(&error, &text, line_of(&text, marker), says, help);
-    }
+    verify_all(&TWO, BUILT, built);
+    let triangles = edit(&TWO, "elements = [5, 4]  # upper", "elements = [5, 4]\ncells = \"triangle\"");
+    assert!(discretise(&parsed(&triangles)).is_ok());
     // A point that two bodies have is of neither.
-    let apart = edit(TWO, "at = [0.1, 0.7]", "at = [0.125, 0.50000001]");
-    let point = edit(&apart, "[time]", "[[load]]\npoint = [0.125, 0.5]\nforce = [0, 1]\n[time]");
-    let stickslip::run::RunError::Scene(error) = discretise(&read(&point)).unwrap_err() else { panic!() };
-    verify(&error, &point, line_of(&point, "point ="), &["`lower` and `upper` both have a node at"], "boundary");
+    let apart = edit(&TWO, "at = [0.1, 0.7]", "at = [0.125, 0.50000001]");
+    verify_all(
+        &apart,
+        "[time] | [[load]]¶point = [0.125, 0.5]¶force = [0, 1]¶[time] | point = | `lower` and `upper` both have a node at | boundary",
+        built,
+    );
 }

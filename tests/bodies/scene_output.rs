@@ -1,55 +1,46 @@
 //! What a scene writes: which increments, and faults of its keys.
 
 use crate::common::block;
-use crate::common::faults::{BLOCK, InputError, line_of, located, verify, verify_all};
+use crate::common::faults::{BLOCK, line_of, located, rows, verify, verify_all};
 use crate::common::prelude::*;
 use stickslip::body::Probe;
 
-const OUTPUT: &[InputError] = &[
-    ("times =", "every = 0\ntimes =", "every =", &["output.every is 0", "at least 1"], "each increment"),
-    ("times =", "every = -3\ntimes =", "every =", &["output.every is -3", "at least 1"], "each increment"),
-    ("times = [1.0, 2.0]", "times = \"all\"\nevery = 2", "every =", &["\"all\" has no every"], "remove the key"),
-    ("times =", "magnification = 10\ntimes =", "magn", &["no picture of the deformed body"], "output.deformed = true"),
-    (
-        "times =",
-        "deformed = true\nmagnification = -10\ntimes =",
-        "magn",
-        &["output.magnification is -10.0", "0 or more"],
-        "so many times as long",
-    ),
-];
+const OUTPUT: &str = r#"
+times = | every = 0¶times = | every = | output.every is 0 & at least 1 | each increment
+times = | every = -3¶times = | every = | output.every is -3 & at least 1 | each increment
+times = [1.0, 2.0] | times = "all"¶every = 2 | every = | "all" has no every | remove the key
+times = | magnification = 10¶times = | magn | no picture of the deformed body | output.deformed = true
+times = | deformed = true¶magnification = -10¶times = | magn | output.magnification is -10.0 & 0 or more |
+    so many times as long
+"#;
 
 /// Probes, each with words of the message and of the help.
-const PROBES: [(&str, &str, &str); 13] = [
-    ("name = '', point = [0, 0]", "the name of a probe is \"\"", "\"corner\""),
-    ("name = 'a'", "a probe without a point needs from", "add the key"),
-    ("name = 'a', from = [0, 0], points = 3", "needs to", "add the key"),
-    ("name = 'a', from = [0, 0], to = [1, 1]", "needs points", "add the key"),
-    ("name = 'a', from = [0, 0], to = [1, 1], points = 1", "points is 1, but must be at least 2", "the ends count"),
-    ("name = 'a', from = [0, 0], to = [1, 1], points = 20000", "at most 10000", "output.fields"),
-    (
-        "name = 'a', from = [0, 0], to = [1, 1], points = [[0, 1], [1, 2]]",
-        "expected a whole number",
-        "one whole number",
-    ),
-    ("name = 'a', from = [1, 1], to = [1, 1], points = 2", "has no length", "point = [x, y]"),
-    ("name = 'a', point = [0, 0], to = [1, 1]", "a probe with a point has no to", "remove the key"),
-    ("name = 'a', point = [0, 0], points = 3", "a probe with a point has no points", "remove the key"),
-    ("name = 'a', point = [0]", "invalid length 1, expected 2 or 3 values", "form of every value"),
-    ("name = 'a', point = [0, inf]", "point is inf, but must be a finite number", "other than nan or inf"),
-    ("name = 'a', spot = [0, 0]", "unknown field `spot`", "correct its spelling"),
-];
+const PROBES: &str = r#"
+name = '', point = [0, 0] | the name of a probe is "" | "corner"
+name = 'a' | a probe without a point needs from | add the key
+name = 'a', from = [0, 0], points = 3 | needs to | add the key
+name = 'a', from = [0, 0], to = [1, 1] | needs points | add the key
+name = 'a', from = [0, 0], to = [1, 1], points = 1 | points is 1, but must be at least 2 | the ends count
+name = 'a', from = [0, 0], to = [1, 1], points = 20000 | at most 10000 | output.fields
+name = 'a', from = [0, 0], to = [1, 1], points = [[0, 1], [1, 2]] | expected a whole number | one whole number
+name = 'a', from = [1, 1], to = [1, 1], points = 2 | has no length | point = [x, y]
+name = 'a', point = [0, 0], to = [1, 1] | a probe with a point has no to | remove the key
+name = 'a', point = [0, 0], points = 3 | a probe with a point has no points | remove the key
+name = 'a', point = [0] | invalid length 1, expected 2 or 3 values | form of every value
+name = 'a', point = [0, inf] | point is inf, but must be a finite number | other than nan or inf
+name = 'a', spot = [0, 0] | unknown field `spot` | correct its spelling
+"#;
 
 #[test]
 fn values_out_of_range() {
-    verify_all(OUTPUT);
-    for (probe, words, remedy) in PROBES {
+    verify_all(BLOCK, OUTPUT, located);
+    for [probe, words, remedy] in rows(PROBES) {
         let text = edit(BLOCK, "times =", &format!("probe = [{{ {probe} }}]\ntimes ="));
-        verify(&located(&text), &text, line_of(&text, "probe ="), &[words], remedy);
+        verify(&located(&text), &text, line_of(&text, "probe ="), &words, &remedy);
     }
     let twice = "[[output.probe]]\nname = 'a'\npoint = [0, 0]\n[[output.probe]]\nname = 'a' # again\npoint = [1, 1]\n";
     let text = [BLOCK, twice].concat();
-    verify(&located(&text), &text, line_of(&text, "# again"), &["another probe is called \"a\""], "a name of its own");
+    verify(&located(&text), &text, line_of(&text, "# again"), "another probe is called \"a\"", "a name of its own");
 }
 
 /// What only the mesh can tell, with the place in the text.
@@ -67,7 +58,7 @@ fn probes_lie_in_the_body() {
     ] {
         let text = [BLOCK, "[[output.probe]]\nname = 'a'\n", probe, "\n"].concat();
         let small = edit(&text, "[100, 100]", "[4, 4]");
-        let scene = Scene::parse("scene.toml", &small, &[]).unwrap();
+        let scene = parsed(&small);
         let error = Run::new(&scene).map(|_| ()).unwrap_err();
         let key = if says.contains("(1, 2)") { "to =" } else { probe.split(" =").next().unwrap() };
         let place = format!("scene.toml:{}: {says}", line_of(&small, &format!("\n{key}").replace('\n', "")));
@@ -96,6 +87,6 @@ fn increments_that_are_written() {
     assert_eq!(wanted(&["output.times=[0.2]", "output.every=4"]), [1, 4, 8, 10]);
     assert_eq!(wanted(&["output.times=[]"]), [0; 0]);
     // Alone it takes the place of the end.
-    let scene = Scene::parse("s.toml", &edit(BLOCK, "times = [1.0, 2.0]", "every = 16"), &[]).unwrap();
+    let scene = parsed(&edit(BLOCK, "times = [1.0, 2.0]", "every = 16"));
     assert_eq!(scene.output.increments(&scene.time.all()), [16, 32, 40]);
 }

@@ -22,7 +22,7 @@ pub(super) fn pressed(cells: &str, elements: &str, friction: f64, formula: &str,
          obstacle = {{ kind = \"formula\", formula = \"{formula}\" }}\n{more}\
          [time]\nend = 1.0\nincrements = 1\n"
     );
-    Scene::parse("pressed.toml", &text, &[]).unwrap()
+    parsed(&text)
 }
 
 pub(super) fn solve(model: &Model, times: &[f64], solver: SolverChoice, observer: &mut dyn Observer) -> HistoryOutcome {
@@ -178,7 +178,7 @@ fn a_block_in_a_corner() {
              [[load]]\nboundary = \"top\"\ntraction = {down}\n[[load]]\nboundary = \"left\"\ntraction = {aside}\n\
              [time]\nend = 1.0\nincrements = 1\n"
         );
-        let scene = Scene::parse("corner.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let state =

@@ -158,11 +158,11 @@ fn alone(name: &str) -> String {
 #[test]
 fn a_single_body_is_the_same_to_the_last_bit() {
     for name in ["lower", "upper"] {
-        let scene = Scene::parse("one.toml", &alone(name), &[]).unwrap();
+        let scene = parsed(&alone(name));
         let other = if name == "lower" { "upper" } else { "lower" };
         let named = TWO.split("\n\n").filter(|table| !table.contains(other)).collect::<Vec<_>>().join("\n\n");
         let (model, outcome) = solve(&scene);
-        let (of_body, own) = solve(&Scene::parse("body.toml", &named, &[]).unwrap());
+        let (of_body, own) = solve(&parsed(&named));
         assert_eq!(of_body.mesh.boundary_names()[0], format!("{name}:bottom"));
         assert_eq!((&model.mesh.nodes, &model.dofs), (&of_body.mesh.nodes, &of_body.dofs));
         assert_eq!(outcome.state, own.state);
@@ -172,11 +172,11 @@ fn a_single_body_is_the_same_to_the_last_bit() {
 
 #[test]
 fn bodies_that_do_not_meet_have_their_own_answers() {
-    let (both, outcome) = solve(&Scene::parse("two.toml", TWO, &[]).unwrap());
+    let (both, outcome) = solve(&parsed(&TWO));
     assert_eq!(both.rigid_motions.len(), 2);
     let bodies = both.mesh.bodies();
     for (k, name) in ["lower", "upper"].into_iter().enumerate() {
-        let (model, own) = solve(&Scene::parse("one.toml", &alone(name), &[]).unwrap());
+        let (model, own) = solve(&parsed(&alone(name)));
         let (all, u) = (both.dofs.displacements(&outcome.state.u), model.dofs.displacements(&own.state.u));
         let largest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
         for (node, u) in bodies.nodes(k).zip(u) {
@@ -198,9 +198,9 @@ fn bodies_that_do_not_meet_have_their_own_answers() {
 /// The verdict names the body that comes free.
 #[test]
 fn verdicts_name_the_body() {
-    let unheld = edit(TWO, "[[support]]\nboundary = \"upper:left\"\nfix = [\"x\"]\n", "");
+    let unheld = edit(&TWO, "[[support]]\nboundary = \"upper:left\"\nfix = [\"x\"]\n", "");
     let pulled = edit(&unheld, "traction = [1e6, -2e7]", "traction = [0, 2e7]");
-    let scene = Scene::parse("two.toml", &pulled, &[]).unwrap();
+    let scene = parsed(&pulled);
     let model = discretise(&scene).unwrap();
     assert_eq!(model.rigid_motions.len(), 4);
     let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
@@ -213,7 +213,7 @@ fn verdicts_name_the_body() {
     // Without any contact the matrix itself is singular.
     let floor =
         "[[contact]]\nboundary = \"upper:bottom\"\nfriction = 0.2\nobstacle = { kind = \"plane\", gap = 1e-6 }\n";
-    let scene = Scene::parse("two.toml", &edit(&unheld, floor, ""), &[]).unwrap();
+    let scene = parsed(&edit(&unheld, floor, ""));
     let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     assert_ne!(report.status, Status::Converged);
     assert!(report.explanation.reason.contains("`upper`"), "{:?}: {}", report.status, report.explanation.reason);

@@ -6,8 +6,7 @@ use std::fmt::Write;
 use crate::common::scratch::Scratch;
 
 fn run(text: &str, overrides: &[&str]) -> RunReport {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    let scene = Scene::parse("slip.toml", text, &overrides).unwrap();
+    let scene = parsed_with(text, overrides);
     Run::new(&scene).unwrap().solve(&mut ()).unwrap()
 }
 
@@ -143,32 +142,29 @@ fn a_press_fit_that_is_pulled_out() {
 /// A press fit slips whatever another body does: that one slips in a part of its own contact.
 #[test]
 fn a_press_fit_beside_another_body() {
-    let text = r#"
-        contact = [
-            { boundary = "fit:bottom", friction = 0.1, obstacle = { kind = "plane", gap = -0.002 } },
-            { boundary = "fit:top", friction = 0.1, obstacle = { kind = "plane" } },
-            { boundary = "other:bottom", friction = 0.3, obstacle = { kind = "plane" } },
-        ]
-        load = [
-            { boundary = "fit:right", traction = [9.0, 0.0], history = [[1, 0], [2, 1]] },
-            { boundary = "other:top", traction = [0.0, -1.0], history = [[0, 0], [1, 1]] },
-            { boundary = "other:top", traction = [0.1, 0.0], history = [[1, 0], [2, 1]] },
-        ]
-        time = { end = 2, increments = 8 }
-        [[body]]
-        name = "fit"
-        mesh = { kind = "block", size = [2.8, 0.5], elements = [8, 3] }
-        material = { young = 1000.0, poisson = 0.35 }
-        [[body]]
-        name = "other"
-        at = [30, 0]
-        mesh = { kind = "block", size = [1, 1], elements = [2, 2] }
-        material = { young = 1000.0, poisson = 0.3 }
-    "#;
+    let text = scene_text(
+        r#"
+contact = [
+{ boundary = "fit:bottom", friction = 0.1, obstacle = { kind = "plane", gap = -0.002 } },
+{ boundary = "fit:top", friction = 0.1, obstacle = { kind = "plane" } },
+{ boundary = "other:bottom", friction = 0.3, obstacle = { kind = "plane" } },
+]
+load = [
+{ boundary = "fit:right", traction = [9.0, 0.0], history = [[1, 0], [2, 1]] },
+{ boundary = "other:top", traction = [0.0, -1.0], history = [[0, 0], [1, 1]] },
+{ boundary = "other:top", traction = [0.1, 0.0], history = [[1, 0], [2, 1]] },
+]
+time = { end = 2, increments = 8 }
+[[body]] name = "fit", mesh = { kind = "block", size = [2.8, 0.5], elements = [8, 3] }
+material = { young = 1000.0, poisson = 0.35 }
+[[body]] name = "other", at = [30, 0], mesh = { kind = "block", size = [1, 1], elements = [2, 2] }
+material = { young = 1000.0, poisson = 0.3 }
+"#,
+    );
     for solver in SOLVERS {
         for method in ["bn", "ip"] {
             let set = [format!("solver.linear=\"{solver}\""), format!("solver.method=\"{method}\"")];
-            let report = run(text, &set.each_ref().map(String::as_str));
+            let report = run(&text, &set.each_ref().map(String::as_str));
             assert_eq!(report.status, Status::Slips, "{set:?}: {}", report.explanation.reason);
         }
     }

@@ -7,8 +7,7 @@ use stickslip::solver::history::{Error, Stepper};
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
 fn model() -> (Model, Vec<f64>) {
-    let set = ["mesh.elements=[8,8]", "time.increments=8"].map(|text| text.parse().unwrap());
-    let scene = Scene::parse("block.toml", BLOCK, &set).unwrap();
+    let scene = parsed_with(BLOCK, &["mesh.elements=[8,8]", "time.increments=8"]);
     (discretise(&scene).unwrap(), scene.time.all())
 }
 

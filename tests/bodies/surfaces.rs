@@ -46,31 +46,19 @@ pub fn binary(triangles: &[Triangle]) -> Vec<u8> {
 
 /// Half a block above the origin on an obstacle, pressed down.
 fn slab(obstacle: &str) -> String {
-    format!(
+    scene_text(&format!(
         r#"
-        [mesh]
-        kind = "block"
-        size = [1.0, 0.2, 0.5]
-        elements = [16, 2, 6]
-        [material]
-        young = 1e9
-        poisson = 0.3
-        [[support]]
-        boundary = "top"
-        fix = ["x", "y", "z"]
-        [[contact]]
-        boundary = "bottom"
-        friction = 0.2
-        obstacle = {{ {obstacle} }}
-        [time]
-        end = 2.0
-        increments = 2
-        "#
-    )
+[mesh] kind = "block", size = [1.0, 0.2, 0.5], elements = [16, 2, 6]
+[material] young = 1e9, poisson = 0.3
+[[support]] boundary = "top", fix = ["x", "y", "z"]
+[[contact]] boundary = "bottom", friction = 0.2, obstacle = {{ {obstacle} }}
+[time] end = 2.0, increments = 2
+"#
+    ))
 }
 
 fn solved(text: &str) -> (Model, Vec<State>) {
-    let scene = Scene::parse("slab.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let (model, mut keep) = (discretise(&scene).unwrap(), Keep::default());
     assert_eq!(run(&scene, &model, &mut keep).status, Status::Converged);
     (model, keep.states)
@@ -130,7 +118,7 @@ fn a_sheet_smaller_than_the_face() {
     let sheet = |from: f64| Scratch::new("sheet.stl", ascii(&cylinder(200, from, 0.2)).as_bytes());
     let nodes = |direction: &str, file: &Scratch| {
         let scene = slab(&format!("kind = \"surface\", file = \"{}\", direction = \"{direction}\"", file.path()));
-        discretise(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap().contacts.len()
+        model_of(&scene).contacts.len()
     };
     let (whole, part) = (sheet(0.0), 3 * 17);
     assert_eq!([nodes("normal", &whole), nodes("nearest", &whole)], [part; 2]);
@@ -142,7 +130,7 @@ fn a_sheet_smaller_than_the_face() {
         $EndNodes\n$Elements\n2 3 1 3\n2 1 3 1\n1 1 2 5 6\n2 1 2 2\n2 2 3 4\n3 2 4 5\n$EndElements\n";
     let square = Scratch::new("square.msh", square.as_bytes());
     let scene = slab(&format!("kind = \"surface\", file = \"{}\"", square.path()));
-    let model = discretise(&Scene::parse("slab.toml", &scene, &[]).unwrap()).unwrap();
+    let model = model_of(&scene);
     assert!(model.contacts.len() == part && model.contacts.iter().all(|contact| contact.facing.gap == 0.125));
 }
 

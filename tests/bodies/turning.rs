@@ -98,25 +98,17 @@ fn a_back_does_not_press() {
     assert_eq!(turned(&square, roller, about(0.5, 0.25), PI), extent);
 }
 
-const SCENE: &str = r#"
-    [mesh]
-    kind = "block"
-    size = [1.0, 0.2]
-    elements = [20, 4]
-    [material]
-    young = 1e9
-    poisson = 0.3
-    [[support]]
-    boundary = "top"
-    fix = ["x", "y"]
-    [[contact]]
-    boundary = "bottom"
-    friction = 0.1
-    obstacle = { OBSTACLE }
-    [time]
-    end = 1.0
-    increments = 10
-"#;
+static SCENE: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+[mesh] kind = "block", size = [1.0, 0.2], elements = [20, 4]
+[material] young = 1e9, poisson = 0.3
+[[support]] boundary = "top", fix = ["x", "y"]
+[[contact]] boundary = "bottom", friction = 0.1, obstacle = { OBSTACLE }
+[time] end = 1.0, increments = 10
+"#,
+    )
+});
 
 fn scene(obstacle: &str) -> String {
     SCENE.replace("OBSTACLE", obstacle)
@@ -132,18 +124,17 @@ fn a_back_that_covers_the_body_is_refused() {
     ] {
         let motion = format!("motion.rotation = {{ through = [1.2, -0.01], history = [[0, 0], [1, {sense}]] }}");
         let text = scene(&format!("{shape}, {motion}"));
-        let Err(stickslip::run::RunError::Scene(error)) = discretise(&Scene::parse("scene.toml", &text, &[]).unwrap())
-        else {
+        let Err(stickslip::run::RunError::Scene(error)) = discretise(&parsed(&text)) else {
             panic!("accepted: {text}")
         };
         let says = format!("turns its back to the body and covers the contact node at ({place}, 0) m at t = {time} s");
-        verify(&error, &text, line_of(&text, "obstacle ="), &[&says], "turn less far");
+        verify(&error, &text, line_of(&text, "obstacle ="), &says, "turn less far");
     }
 }
 
 /// The warnings of a scene's run.
 fn warnings(text: &str) -> Vec<Warning> {
-    let scene = Scene::parse("scene.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     Run::of(&model, scene.time.all(), scene.solver).unwrap().solve(&mut ()).unwrap().warnings
 }
@@ -216,7 +207,7 @@ fn gaps_of_nodes_under_the_side_keep_their_digits() {
     let moves = "motion.translation = [[0, 0, 0], [1, 0.6, 0]]";
     for side in [0.1, 0.1 - 1e-16, 0.1 - 1e-13, 0.1 - 1e-10, 0.1 - 1e-7] {
         let text = scene(&format!("kind = \"cylinder\", radius = 0.1, apex = [{}, 1e-4], {moves}", 0.5 - side));
-        let model = discretise(&Scene::parse("scene.toml", &text, &[]).unwrap()).unwrap();
+        let model = model_of(&text);
         let node = model.contacts.iter().position(|contact| (contact.position[0] - 0.5).abs() < 1e-9).unwrap();
         for k in 1..=3 {
             let t = 0.1 * f64::from(k);
@@ -253,7 +244,7 @@ fn planes_that_stand_upright() {
     let upright = |through: &str, sense: &str| {
         let angle = std::f64::consts::FRAC_PI_2;
         let turns = format!("motion.rotation = {{ through = {through}, history = [[0, 0], [1, {sense}{angle}]] }}");
-        discretise(&Scene::parse("scene.toml", &scene(&format!("kind = \"plane\", gap = 1e-3, {turns}")), &[]).unwrap())
+        discretise(&parsed(&scene(&format!("kind = \"plane\", gap = 1e-3, {turns}"))))
     };
     let found = ["", "-"].map(|sense| upright("[-0.5, 0.0]", sense).map(|_| ()).map_err(|error| error.to_string()));
     let refused: Vec<&String> = found.iter().filter_map(|found| found.as_ref().err()).collect();
@@ -272,7 +263,7 @@ fn a_roller_that_turns_about_itself() {
              motion = {{ rotation = {{ through = [0.1, -0.019], history = [[0, 0], [1, {angle}]] }} }} }}\n\
              [time]\nend = 1.0\nincrements = 3\n"
         );
-        let scene = Scene::parse("roller.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
         assert_eq!(report.status, Status::Converged);
         report.end.sum_p_n

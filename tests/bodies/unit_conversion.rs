@@ -1,11 +1,8 @@
 //! Every number of a scene in units of its own is converted.
 
+use crate::common::faults::refused;
 use crate::common::prelude::*;
 use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
-
-fn scene(text: &str) -> Scene {
-    Scene::parse("scene.toml", text, &[]).unwrap()
-}
 
 /// The numbers in a text, each with the text before it.
 fn numbers(text: &str) -> Vec<(String, f64)> {
@@ -39,63 +36,30 @@ fn assert_same(found: &Description, expected: &Description) {
     }
 }
 
-const PLANE: &str = r#"
-    [mesh]
-    kind = "half-plane"
-    size = [0.2, 0.1]
-    contact_width = 0.02
-    contact_elements = 4
-    outer_elements = 3
-    layers = 4
-    [material]
-    young = 210e9
-    poisson = 0.3
-    density = 7850
-    expansion = 1.2e-5
-    layers = [[0.03, 70e9, 0.33]]
-    [[support]]
-    boundary = "bottom"
-    fix = ["x", "y"]
-    displacement = [0, 2e-6]
-    [[spring]]
-    boundary = "right"
-    normal = 3e9
-    tangential = 2e9
-    [[spring]]
-    boundary = "right"
-    stiffness = [1e9, 4e9]
-    [[spring]]
-    point = [0.0, 0.1]
-    stiffness = [5e6, 6e6]
-    [[contact]]
-    boundary = "contact"
-    friction = 0.3
-    [contact.obstacle]
-    kind = "cylinder"
-    radius = 0.5
-    apex = [0.0, 0.1]
-    approach = [[0, 0], [1, 3e-6]]
-    motion.translation = [[0, 0, 0], [1, 1e-6, 0]]
-    motion.rotation = { through = [0.0, 0.6], history = [[0, 0], [1, 1e-6]] }
-    [[load]]
-    boundary = "right"
-    traction = [1e6, -2e6]
-    [[load]]
-    boundary = "right"
-    pressure = 3e5
-    [[load]]
-    boundary = "top"
-    force = [1e3, 2e3]
-    [[load]]
-    acceleration = [0, -9.81]
-    [[load]]
-    rotation = { through = [0.1, 0.05], speed = 10 }
-    [[load]]
-    temperature = 30
-    [time]
-    end = 1
-    increments = 2
-"#;
+static PLANE: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+[mesh] kind = "half-plane", size = [0.2, 0.1], contact_width = 0.02, contact_elements = 4, outer_elements = 3
+layers = 4
+[material] young = 210e9, poisson = 0.3, density = 7850, expansion = 1.2e-5, layers = [[0.03, 70e9, 0.33]]
+[[support]] boundary = "bottom", fix = ["x", "y"], displacement = [0, 2e-6]
+[[spring]] boundary = "right", normal = 3e9, tangential = 2e9
+[[spring]] boundary = "right", stiffness = [1e9, 4e9]
+[[spring]] point = [0.0, 0.1], stiffness = [5e6, 6e6]
+[[contact]] boundary = "contact", friction = 0.3
+[contact.obstacle] kind = "cylinder", radius = 0.5, apex = [0.0, 0.1], approach = [[0, 0], [1, 3e-6]]
+motion.translation = [[0, 0, 0], [1, 1e-6, 0]]
+motion.rotation = { through = [0.0, 0.6], history = [[0, 0], [1, 1e-6]] }
+[[load]] boundary = "right", traction = [1e6, -2e6]
+[[load]] boundary = "right", pressure = 3e5
+[[load]] boundary = "top", force = [1e3, 2e3]
+[[load]] acceleration = [0, -9.81]
+[[load]] rotation = { through = [0.1, 0.05], speed = 10 }
+[[load]] temperature = 30
+[time] end = 1, increments = 2
+"#,
+    )
+});
 
 const IN_INCHES: &[(&str, &str)] = &[
     ("[mesh]", "[units]\nlength = 'in'\nstress = 'ksi'\n[mesh]"),
@@ -156,92 +120,41 @@ fn in_inches(text: &str, changes: &[(&str, &str)], dimension: usize) -> String {
 
 #[test]
 fn every_number_of_a_plane_scene_is_converted() {
-    let (si, inches) = (scene(PLANE), scene(&in_inches(PLANE, IN_INCHES, 2)));
+    let (si, inches) = (parsed(&PLANE), parsed(&in_inches(&PLANE, IN_INCHES, 2)));
     assert_same(&inches.description, &si.description);
     assert_eq!(inches.description.units, Units::new(LengthUnit::Inch, StressUnit::Ksi));
     assert_eq!(si.description.units, Units::SI);
     discretise(&inches).unwrap();
 }
 
-const SPACE: &str = r#"
-    [mesh]
-    kind = "block"
-    size = [[0.1, 0.3], 0.2, 0.1]
-    elements = [[2, 2], 2, 2]
-    [material]
-    young = 210e9
-    poisson = 0.3
-    [[material.group]]
-    name = "body"
-    young = 70e9
-    poisson = 0.2
-    density = 2700
-    [[support]]
-    boundary = "left"
-    direction = [1, 1, 0]
-    displacement = 1e-6
-    [[support]]
-    point = [0.4, 0.0, 0.1]
-    fix = ["x"]
-    [[spring]]
-    boundary = "right"
-    stiffness = [1e9, 4e9, 2e9]
-    [[spring]]
-    point = [0.4, 0.2, 0.0]
-    stiffness = [5e6, 6e6, 7e6]
-    [[contact]]
-    boundary = "bottom"
-    friction = 0.3
-    obstacle = { kind = "plane", through = [0.0, 0.0, -1e-5] }
-    [[contact]]
-    boundary = "top"
-    friction = 0.3
-    obstacle = { kind = "sphere", radius = 2.0, apex = [0.2, 0.1, 0.1001] }
-    [[contact]]
-    boundary = "back"
-    friction = 0.3
-    obstacle = { kind = "wedge", angle = 0.1, apex = [0.2, 0.2001, 0.05], axis = [0, 0, 1] }
-    [[contact]]
-    boundary = "front"
-    friction = 0.3
-    obstacle = { kind = "plane", gap = 2e-5 }
-    [[contact]]
-    boundary = "right"
-    friction = 0.3
-    [[contact.obstacle]]
-    kind = "socket"
-    radius = 3.0
-    apex = [0.401, 0.1, 0.05]
-    normal = [1, 0, 0]
-    [[contact.obstacle]]
-    kind = "bore"
-    radius = 4.0
-    apex = [0.402, 0.1, 0.05]
-    axis = [0, 0, 1]
-    normal = [1, 0, 0]
-    [[contact.obstacle]]
-    kind = "cone"
-    half_angle = 1.4
-    apex = [0.403, 0.1, 0.05]
-    normal = [1, 0, 0]
-    [[contact.obstacle]]
-    kind = "surface"
-    file = "surface.stl"
-    scale = 0.5
-    [[load]]
-    point = [0.4, 0.2, 0.1]
-    force = [1e3, 2e3, 3e3]
-    [[load]]
-    acceleration = [0, 0, -9.81]
-    [time]
-    end = 1
-    increments = 2
-    [[output.probe]]
-    name = "line"
-    from = [0.1, 0.0, 0.0]
-    to = [0.3, 0.2, 0.1]
-    points = 3
-"#;
+static SPACE: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+[mesh] kind = "block", size = [[0.1, 0.3], 0.2, 0.1], elements = [[2, 2], 2, 2]
+[material] young = 210e9, poisson = 0.3
+[[material.group]] name = "body", young = 70e9, poisson = 0.2, density = 2700
+[[support]] boundary = "left", direction = [1, 1, 0], displacement = 1e-6
+[[support]] point = [0.4, 0.0, 0.1], fix = ["x"]
+[[spring]] boundary = "right", stiffness = [1e9, 4e9, 2e9]
+[[spring]] point = [0.4, 0.2, 0.0], stiffness = [5e6, 6e6, 7e6]
+[[contact]] boundary = "bottom", friction = 0.3, obstacle = { kind = "plane", through = [0.0, 0.0, -1e-5] }
+[[contact]] boundary = "top", friction = 0.3
+obstacle = { kind = "sphere", radius = 2.0, apex = [0.2, 0.1, 0.1001] }
+[[contact]] boundary = "back", friction = 0.3
+obstacle = { kind = "wedge", angle = 0.1, apex = [0.2, 0.2001, 0.05], axis = [0, 0, 1] }
+[[contact]] boundary = "front", friction = 0.3, obstacle = { kind = "plane", gap = 2e-5 }
+[[contact]] boundary = "right", friction = 0.3
+[[contact.obstacle]] kind = "socket", radius = 3.0, apex = [0.401, 0.1, 0.05], normal = [1, 0, 0]
+[[contact.obstacle]] kind = "bore", radius = 4.0, apex = [0.402, 0.1, 0.05], axis = [0, 0, 1], normal = [1, 0, 0]
+[[contact.obstacle]] kind = "cone", half_angle = 1.4, apex = [0.403, 0.1, 0.05], normal = [1, 0, 0]
+[[contact.obstacle]] kind = "surface", file = "surface.stl", scale = 0.5
+[[load]] point = [0.4, 0.2, 0.1], force = [1e3, 2e3, 3e3]
+[[load]] acceleration = [0, 0, -9.81]
+[time] end = 1, increments = 2
+[[output.probe]] name = "line", from = [0.1, 0.0, 0.0], to = [0.3, 0.2, 0.1], points = 3
+"#,
+    )
+});
 
 const SPACE_IN_INCHES: &[(&str, &str)] = &[
     ("[mesh]", "[units]\nlength = 'in'\nstress = 'ksi'\n[mesh]"),
@@ -276,7 +189,7 @@ const SPACE_IN_INCHES: &[(&str, &str)] = &[
 
 #[test]
 fn every_number_of_a_scene_in_space_is_converted() {
-    let (si, inches) = (scene(SPACE), scene(&in_inches(SPACE, SPACE_IN_INCHES, 3)));
+    let (si, inches) = (parsed(&SPACE), parsed(&in_inches(&SPACE, SPACE_IN_INCHES, 3)));
     assert_same(&inches.description, &si.description);
     let [si, inches] = [si, inches].map(|scene| numbers(&format!("{:?}", scene.output.probes)));
     assert_eq!(si.len(), 7);
@@ -304,7 +217,7 @@ fn a_plane_body_has_a_thickness() {
                 0.5 * force,
                 -force
             );
-            Scene::parse("scene.toml", &text, &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
+            parsed(&text)
         };
         let solved = |scene: &Scene| {
             let model = discretise(scene).unwrap();
@@ -350,10 +263,7 @@ fn a_thickness_that_cannot_be_is_refused() {
         (format!("{plane}thickness = 1\nplane = \"axisymmetric\"\n{rest}"), "no thickness"),
         (format!("{space}thickness = 1\n{rest}"), "three dimensions"),
     ] {
-        let message = match Scene::parse("scene.toml", &text, &[]) {
-            Err(error) => error.to_string(),
-            Ok(scene) => discretise(&scene).expect_err(&text).to_string(),
-        };
+        let message = refused(&text).to_string();
         assert!(message.contains(says) && message.starts_with("scene.toml:8"), "{message}");
     }
 }

@@ -11,12 +11,14 @@ pub mod prelude;
 pub mod random;
 pub mod rings;
 pub mod round;
+pub mod scenes;
 pub mod scratch;
 pub mod vtu;
 
+use scenes::scene_text;
 use std::io::Write;
 use std::ops::ControlFlow;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 use stickslip::algebra::linear::{RefinedSolver, Stiffness, SystemMatrix};
 use stickslip::algebra::{Csc, Symmetric};
 use stickslip::body::Model;
@@ -82,30 +84,20 @@ pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) ->
 }
 
 /// A block on a plane that pulls it along.
-pub const BELT: &str = r#"
-    title = "A block on a belt"
-    [mesh]
-    kind = "block"
-    size = [1.0, 0.5]
-    elements = [8, 4]
-    [material]
-    young = 1e9
-    poisson = 0.3
-    [[support]]
-    boundary = "top"
-    fix = ["x"]
-    [[contact]]
-    boundary = "bottom"
-    friction = 0.3
-    obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
-    [[load]]
-    boundary = "top"
-    traction = [0.0, -1e5]
-    history = [[0, 0], [1, 1], [2, 1]]
-    [time]
-    end = 2.0
-    increments = 4
-"#;
+pub static BELT: LazyLock<String> = LazyLock::new(|| {
+    scene_text(
+        r#"
+title = "A block on a belt"
+[mesh] kind = "block", size = [1.0, 0.5], elements = [8, 4]
+[material] young = 1e9, poisson = 0.3
+[[support]] boundary = "top", fix = ["x"]
+[[contact]] boundary = "bottom", friction = 0.3
+obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
+[[load]] boundary = "top", traction = [0.0, -1e5], history = [[0, 0], [1, 1], [2, 1]]
+[time] end = 2.0, increments = 4
+"#,
+    )
+});
 
 /// Keeps the state and the data of every increment.
 #[derive(Default)]

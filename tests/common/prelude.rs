@@ -1,8 +1,13 @@
 //! What most tests use: the types of the library, and the helpers that stand beside this file.
 
+pub use super::scenes::{model_of, model_with, parsed, parsed_with, scene_text};
 pub use super::{Keep, difference, edit};
 pub use miette::Diagnostic;
-pub use std::{f64::consts::PI, ops::ControlFlow, sync::Arc};
+pub use std::{
+    f64::consts::PI,
+    ops::ControlFlow,
+    sync::{Arc, LazyLock},
+};
 pub use stickslip::algebra::{
     Csc, Csr, Pattern, Symmetric, Vector, dot,
     linear::{FactorInfo, LinearError, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, SystemMatrix},

@@ -20,7 +20,7 @@ fn histories() -> Vec<History> {
         let scene = common::block(&["mesh.elements=[20,20]", "time.increments=20", &format!("contact.friction={mu}")]);
         history(&format!("block, mu = {mu}"), &scene)
     };
-    let punch = Scene::parse("punch.toml", PUNCH, &["time.increments=5".parse().unwrap()]).unwrap();
+    let punch = parsed_with(PUNCH, &["time.increments=5"]);
     // Slender: held at one end, so the load is small and the gap large.
     let strip = common::block(&[
         "mesh.size=[10.0,0.2]",

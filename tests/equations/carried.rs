@@ -6,10 +6,6 @@ use crate::neutral::{agreed, solve};
 
 const METHODS: [Method; 2] = [Method::BN, Method::Ip];
 
-fn model(text: &str) -> Model {
-    discretise(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()
-}
-
 /// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
 fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
     let plane = elements.split(',').count() == 2;
@@ -18,7 +14,7 @@ fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
     } else {
         ("[0.01, 0.01, 0.01]", format!("[0, 0, -{force:e}]"), format!("[-{force:e}, 0, 0]"))
     };
-    model(&format!(
+    model_of(&format!(
         r#"
         mesh = {{ kind = "block", size = {size}, elements = [{elements}] }}
         material = {{ young = 210e9, poisson = 0.3 }}
@@ -78,7 +74,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
 /// A gap that nothing ever closes is no distance to anything.
 #[test]
 fn an_obstacle_out_of_reach() {
-    let model = model(
+    let model = model_of(
         r#"
         mesh = { kind = "block", size = [1.0, 1.0], elements = [5, 5] }
         material = { young = 1e9, poisson = 0.3 }
@@ -98,7 +94,7 @@ fn an_obstacle_out_of_reach() {
 
 /// A block on an oblique guide, between an obstacle on its left and nothing.
 fn on_a_guide(gap: f64, load: &str) -> Model {
-    model(&format!(
+    model_of(&format!(
         r#"
         mesh = {{ kind = "block", size = [1.0, 1.0], elements = [4, 4] }}
         material = {{ young = 1e9, poisson = 0.3 }}
@@ -171,7 +167,7 @@ fn forces_in_a_corner_stay_while_loads_do() {
             ("[1, 1]", "", String::new())
         };
         let [down, left] = if space { ["[0, 0, -1]", "[-0.6, 0, 0]"] } else { ["[0, -1]", "[-0.6, 0]"] };
-        model(&format!(
+        model_of(&format!(
             r#"
             mesh = {{ kind = "block", size = {size}, elements = {size} }}
             material = {{ young = 1000, poisson = 0.3 }}

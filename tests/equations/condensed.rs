@@ -7,11 +7,6 @@ use stickslip::solver::Condensation;
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
-}
-
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
     let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
@@ -28,7 +23,7 @@ fn the_way_back_keeps_equilibrium() {
         ("free", BLOCK.replace(SUPPORT, ""), 0.4),
         ("smooth", BLOCK.to_string(), 0.0),
     ] {
-        let model = model(&text, &["mesh.elements=[9,7]", &format!("contact.friction={friction}")]);
+        let model = model_with(&text, &["mesh.elements=[9,7]", &format!("contact.friction={friction}")]);
         let condensed = Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap();
         let border = model.problem.contact_displacements();
         assert_eq!(condensed.problem.displacements(), border.len());
@@ -55,7 +50,7 @@ fn the_way_back_keeps_equilibrium() {
 #[test]
 fn a_body_that_only_contact_holds() {
     let text = include_str!("../../data/scenes/held_by_contact.toml");
-    let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     assert!(!model.problem.rigid_modes().is_empty());
     let [whole, condensed] =
@@ -73,7 +68,7 @@ fn a_body_that_nothing_holds() {
     let contact = BLOCK.find("[[contact]]").unwrap();
     let load = BLOCK.find("[[load]]").unwrap();
     let without = [&BLOCK[..contact], &BLOCK[load..]].concat();
-    let free = model(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
+    let free = model_with(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
     assert!(matches!(
         Condensed::new(&free.problem, &free.loading, SparseCholesky::default()),
         Err(LinearError::Singular { .. })
@@ -84,7 +79,7 @@ fn a_body_that_nothing_holds() {
         assert!(outcome.free_motion.is_some(), "{backend:?}");
     }
     // Without contact there is nothing to condense to, and nothing to iterate.
-    let held = model(&without, &["mesh.elements=[4,4]"]);
+    let held = model_with(&without, &["mesh.elements=[4,4]"]);
     let [whole, condensed] =
         [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&held, &[0.5, 1.0], backend).0);
     assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
@@ -96,7 +91,7 @@ fn a_body_that_nothing_holds() {
 /// with a second word for u.
 #[test]
 fn slender_bodies_are_refined() {
-    let strip = model(
+    let strip = model_with(
         BLOCK,
         &[
             "mesh.size=[10.0,0.1]",
@@ -124,11 +119,11 @@ fn slender_bodies_are_refined() {
 fn a_condensation_is_used_again() {
     let cube = include_str!("../../data/scenes/cube.toml");
     let bodies = [
-        model(BLOCK, &["mesh.elements=[12,10]"]),
-        model(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),
-        model(&BLOCK.replace(SUPPORT, ""), &["mesh.elements=[12,10]"]),
-        model(BLOCK, &["mesh.elements=[8,8]", "mesh.cells=\"triangle6\""]),
-        model(cube, &["mesh.elements=[3,3,3]"]),
+        model_with(BLOCK, &["mesh.elements=[12,10]"]),
+        model_with(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),
+        model_with(&BLOCK.replace(SUPPORT, ""), &["mesh.elements=[12,10]"]),
+        model_with(BLOCK, &["mesh.elements=[8,8]", "mesh.cells=\"triangle6\""]),
+        model_with(cube, &["mesh.elements=[3,3,3]"]),
     ];
     let shared = Condensation::from(SparseCholesky::default());
     for model in bodies.iter().chain(&bodies) {

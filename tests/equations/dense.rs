@@ -8,11 +8,6 @@ use stickslip::solver::{NormalCase, TangentialCase};
 
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
-}
-
 /// A matrix with these entries, the first `displacements` rows and columns of which are stored as a dense block.
 fn matrix(n: usize, displacements: usize, entries: &[(usize, usize, f64)]) -> SystemMatrix {
     let mut values = vec![0.0; displacements * displacements];
@@ -124,9 +119,9 @@ fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
 
 #[test]
 fn the_order_is_what_contact_leaves_free() {
-    let model = model(BLOCK, &["mesh.elements=[12,12]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[12,12]"]);
     assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
-    let smooth = self::model(BLOCK, &["mesh.elements=[12,12]", "contact.friction=0.0"]);
+    let smooth = self::model_with(BLOCK, &["mesh.elements=[12,12]", "contact.friction=0.0"]);
     // Without friction no contact row names the tangential displacements.
     assert_eq!(mixed_states(&smooth, 1e-12), [4, 4, 0, 0, 6, 8]);
 }
@@ -134,7 +129,7 @@ fn the_order_is_what_contact_leaves_free() {
 #[test]
 fn oblique_obstacles() {
     for normal in ["[-0.3,-1.0]", "[0.8,-0.6]", "[0.001,-1.0]"] {
-        let model = model(BLOCK, &["mesh.elements=[12,9]", &format!("contact.obstacle.normal={normal}")]);
+        let model = model_with(BLOCK, &["mesh.elements=[12,9]", &format!("contact.obstacle.normal={normal}")]);
         assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
     }
 }
@@ -144,7 +139,7 @@ fn oblique_obstacles() {
 #[test]
 fn two_obstacles_at_a_node() {
     let other = "[[contact]]\nboundary = \"right\"\nfriction = 0.3\nobstacle = { kind = \"plane\" }\n\n[[load]]";
-    let model = model(&BLOCK.replacen("[[load]]", other, 1), &["mesh.elements=[6,6]", "contact[0].friction=0.4"]);
+    let model = model_with(&BLOCK.replacen("[[load]]", other, 1), &["mesh.elements=[6,6]", "contact[0].friction=0.4"]);
     let orders = mixed_states(&model, 1e-12);
     assert_eq!(orders[2], 2);
 }
@@ -154,7 +149,7 @@ fn two_obstacles_at_a_node() {
 fn a_body_held_by_contact() {
     let support = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
     for (text, kind) in [(BLOCK.replace(support, ""), 3), (BLOCK.replace("\"x\", \"y\"", "\"x\""), 1)] {
-        let model = model(&text, &["mesh.elements=[10,10]"]);
+        let model = model_with(&text, &["mesh.elements=[10,10]"]);
         assert_eq!(model.problem.rigid_modes().len(), kind);
         assert!(mixed_states(&model, 1e-11).len() >= 4);
         // With every node open nothing holds it.
@@ -171,7 +166,7 @@ fn a_body_held_by_contact() {
 /// Rows that hold displacements and forces, whose sizes differ by many decades.
 #[test]
 fn matrices_of_an_interior_point_method() {
-    let model = model(BLOCK, &["mesh.elements=[10,10]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[10,10]"]);
     let conventions = FormulationScaling::paper(model.problem.weight().unwrap());
     let condensed = condensed(&model);
     let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products);
@@ -273,7 +268,7 @@ fn springs_on_the_diagonal() {
 /// What is kept of the last factors is of use only where nothing has changed: statuses that change one at a time leave no trace.
 #[test]
 fn statuses_that_change_one_at_a_time() {
-    let model = model(BLOCK, &["mesh.elements=[12,9]", "contact.obstacle.normal=[-0.3,-1.0]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[12,9]", "contact.obstacle.normal=[-0.3,-1.0]"]);
     let condensed = condensed(&model);
     let mut formulation = bdiff(&model, &condensed);
     let mut kept = Dense::default();

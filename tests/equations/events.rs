@@ -9,13 +9,8 @@ use stickslip::solver::history::HistoryMethod;
 const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
-}
-
 fn block(n: usize, mu: f64) -> Model {
-    model(BLOCK, &[&format!("mesh.elements=[{n},{n}]"), &format!("contact.friction={mu}")])
+    model_with(BLOCK, &[&format!("mesh.elements=[{n},{n}]"), &format!("contact.friction={mu}")])
 }
 
 fn solve(
@@ -82,7 +77,7 @@ fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
 fn rounding_does_not_decide() {
     let wedge = include_str!("../../data/scenes/wedge.toml");
     let strip = include_str!("../../data/scenes/strip.toml");
-    for (model, end) in [(model(wedge, &[]), 2.0), (model(strip, &["mesh.elements=[60,2]"]), 3.0)] {
+    for (model, end) in [(model_with(wedge, &[]), 2.0), (model_with(strip, &["mesh.elements=[60,2]"]), 3.0)] {
         let times = equal_increments(end, 4);
         let [whole, condensed] =
             [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &times, linear));
@@ -115,7 +110,7 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
 fn interference_from_the_start_is_judged_when_it_is_there() {
     let bare = ["mesh.elements=[12,6]", "load[0].traction=[0,0]", "load[1].traction=[0,0]"];
     let there = "contact.obstacle={kind=\"cylinder\",radius=9,apex=[0.4,1e-4],approach=[[0,0],[2,-5e-5]]}";
-    let model = model(BLOCK, &[&bare[..], &[there]].concat());
+    let model = model_with(BLOCK, &[&bare[..], &[there]].concat());
     let [whole, condensed] =
         [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &[1.0, 2.0], linear));
     for outcome in [&whole, &condensed] {
@@ -135,7 +130,7 @@ fn sums_are_those_of_another_program() {
         (block(5, 0.4), vec![1.0, 2.0], 5.302_096, 1.268_765),
         (block(20, 0.8), vec![1.0, 2.0], 5.284_059, 0.811_258),
         (block(50, 0.4), vec![1.0, 2.0], 5.426_644, 1.180_136),
-        (model(PUNCH, &[]), vec![1.0], 5.330_137, -1.023_347),
+        (model_with(PUNCH, &[]), vec![1.0], 5.330_137, -1.023_347),
     ] {
         let [whole, condensed] = forms.map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
@@ -256,7 +251,8 @@ fn cycles_come_to_a_limit() {
     let points: Vec<String> =
         (1..=100).map(|k| format!("[{},{}]", k + 1, if k % 2 == 0 { 1.0 } else { -0.5 })).collect();
     let history = format!("load[1].history=[[0,0],[1,1],{}]", points.join(","));
-    let model = model(BLOCK, &["mesh.elements=[10,10]", "load[0].history=[[0,0],[1,1]]", &history, "time.end=101"]);
+    let model =
+        model_with(BLOCK, &["mesh.elements=[10,10]", "load[0].history=[[0,0],[1,1]]", &history, "time.end=101"]);
     let times: Vec<f64> = (1..=50).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
     let outcome = exact(&model, &times, LinearAlgebra::condensed());
     assert_eq!(outcome.status, Status::Converged);
@@ -366,7 +362,7 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
 #[test]
 fn nodes_that_slide_in_a_plane_are_refused() {
     let cube = include_str!("../../data/scenes/cube.toml");
-    let model = model(cube, &["mesh.elements=[2,2,2]"]);
+    let model = model_with(cube, &["mesh.elements=[2,2,2]"]);
     assert_eq!(exact(&model, &[1.0], LinearAlgebra::default()).status, Status::Unsupported);
 }
 
@@ -374,28 +370,18 @@ fn nodes_that_slide_in_a_plane_are_refused() {
 /// body does under loads however small, and then the path has the forces of an increment under loads that stay.
 #[test]
 fn a_body_that_contact_alone_holds_comes_to_rest_first() {
-    let standing = r#"
-        [mesh]
-        kind = "block"
-        size = [1.0, 1.0]
-        elements = [2, 2]
-        [material]
-        young = 1e9
-        poisson = 0.3
-        [[contact]]
-        boundary = "bottom"
-        friction = 0.5
-        obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
-        [[load]]
-        boundary = "top"
-        traction = [2e4, -1e5]
-        history = [[0, 1]]
-        [time]
-        end = 1.0
-        increments = 1
-    "#;
+    let standing = scene_text(
+        r#"
+[mesh] kind = "block", size = [1.0, 1.0], elements = [2, 2]
+[material] young = 1e9, poisson = 0.3
+[[contact]] boundary = "bottom", friction = 0.5
+obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
+[[load]] boundary = "top", traction = [2e4, -1e5], history = [[0, 1]]
+[time] end = 1.0, increments = 1
+"#,
+    );
     for gap in ["1e-3 * x", "1e-3 * (1 + x)"] {
-        let model = model(standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
+        let model = model_with(&standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
         let by_increment = solve(&model.problem, &model.loading, &[1.0], Method::BN, LinearAlgebra::default()).state;
         for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
             let outcome = exact(&model, &[1.0], linear);
@@ -418,7 +404,7 @@ fn a_body_that_nothing_holds_is_named() {
     let smooth = BLOCK.replace("friction = 0.4", "friction = 0.0");
     for (text, fix) in [(bare, "x"), (smooth, "y")] {
         let text = text.replace("fix = [\"x\", \"y\"]", &format!("fix = [\"{fix}\"]"));
-        let model = model(&text, &["mesh.elements=[4,4]"]);
+        let model = model_with(&text, &["mesh.elements=[4,4]"]);
         for method in [HistoryMethod::EVENTS, Method::BN.into(), Method::Ip.into()] {
             for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
                 let outcome = solve(&model.problem, &model.loading, &[1.0], method, linear);

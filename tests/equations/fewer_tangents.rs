@@ -8,35 +8,20 @@ const MU: f64 = 0.3;
 /// A cube under the pressure 1 MPa, then the plane below moves `along` so far (m). `more` is TOML.
 fn cube(n: usize, along: [f64; 2], more: &str) -> Scene {
     let [x, y] = along;
-    let text = format!(
+    let text = scene_text(&format!(
         r#"
-        [mesh]
-        kind = "block"
-        size = [1.0, 1.0, 1.0]
-        elements = [{n}, {n}, {n}]
-        [material]
-        young = 210e9
-        poisson = 0.3
-        [[support]]
-        boundary = "right"
-        fix = ["x"]
-        [[support]]
-        boundary = "back"
-        fix = ["y"]
-        [[contact]]
-        boundary = "bottom"
-        friction = {MU}
-        obstacle = {{ kind = "plane", motion = {{ translation = [[0, 0, 0, 0], [1, 0, 0, 0], [2, {x}, {y}, 0]] }} }}
-        [[load]]
-        boundary = "top"
-        traction = [0, 0, -1e6]
-        history = [[0, 0], [1, 1]]
-        [time]
-        end = 2
-        increments = 4
-        {more}"#
-    );
-    Scene::parse("cube.toml", &text, &[]).unwrap()
+[mesh] kind = "block", size = [1.0, 1.0, 1.0], elements = [{n}, {n}, {n}]
+[material] young = 210e9, poisson = 0.3
+[[support]] boundary = "right", fix = ["x"]
+[[support]] boundary = "back", fix = ["y"]
+[[contact]] boundary = "bottom", friction = {MU}
+obstacle = {{ kind = "plane", motion = {{ translation = [[0, 0, 0, 0], [1, 0, 0, 0], [2, {x}, {y}, 0]] }} }}
+[[load]] boundary = "top", traction = [0, 0, -1e6], history = [[0, 0], [1, 1]]
+[time] end = 2, increments = 4
+{more}
+"#
+    ));
+    parsed(&text)
 }
 
 /// The supports take what friction does across them: it is as if the obstacle only moved along the nodes' own tangents.

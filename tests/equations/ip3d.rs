@@ -248,8 +248,7 @@ fn the_paper_knows_one_tangent() {
 }
 
 fn punch(overrides: &[&str]) -> Scene {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap()
+    parsed_with(include_str!("../../data/scenes/punch.toml"), overrides)
 }
 
 /// A problem in two dimensions with a third displacement at every contact node, along its second tangent,

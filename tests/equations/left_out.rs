@@ -55,7 +55,7 @@ fn contact() {
     let text = include_str!("../../data/scenes/cube.toml");
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
-    let scene = Scene::parse("loose.toml", &text, &["mesh.elements=[5,5,5]".parse().unwrap()]).unwrap();
+    let scene = parsed_with(&text, &["mesh.elements=[5,5,5]"]);
     assert_eq!(scene.solver.linear, Some(LinearAlgebra::condensed()));
     let [(whole, states), (cholesky, others)] =
         [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| solve(&scene, backend));

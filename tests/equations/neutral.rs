@@ -16,7 +16,7 @@ fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
         "#,
         vec![1.0; sides],
     );
-    discretise(&Scene::parse("on_top.toml", &text, &[]).unwrap()).unwrap()
+    model_of(&text)
 }
 
 pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {

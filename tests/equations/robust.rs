@@ -50,8 +50,7 @@ fn solved(name: &str, model: &Model, times: &[f64], at_most: usize) -> usize {
 fn block(text: &str, n: usize, overrides: &[&str]) -> (Model, Vec<f64>) {
     let mesh = format!("mesh.elements=[{n},{n}]");
     let all = [&[mesh.as_str(), "time.increments=4"], overrides].concat();
-    let overrides: Vec<_> = all.iter().map(|text| text.parse().unwrap()).collect();
-    let scene = Scene::parse("block.toml", text, &overrides).unwrap();
+    let scene = parsed_with(text, &all);
     (discretise(&scene).unwrap(), scene.time.all())
 }
 
@@ -184,8 +183,7 @@ fn random_histories() {
         if roller {
             overrides.push("support.fix=[\"x\"]".to_string());
         }
-        let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-        let scene = Scene::parse("block.toml", base(), &overrides).unwrap();
+        let scene = parsed_with(base(), &overrides.iter().map(String::as_str).collect::<Vec<_>>());
         let mut model = discretise(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
         let (mut friction, mut gaps) = (Vec::new(), Vec::new());

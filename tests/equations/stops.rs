@@ -32,8 +32,8 @@ impl Observer for Watched {
 }
 
 fn block() -> (Scene, Model) {
-    let set = ["mesh.elements=[8,8]", "solver.setting='default'"].map(|text| text.parse().unwrap());
-    let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &set).unwrap();
+    let scene =
+        parsed_with(include_str!("../../data/scenes/block.toml"), &["mesh.elements=[8,8]", "solver.setting='default'"]);
     let model = discretise(&scene).unwrap();
     (scene, model)
 }

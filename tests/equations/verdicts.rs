@@ -57,7 +57,7 @@ const CORNER: &str = r#"
 /// A body pressed into a corner, held by contact alone; the corner node meets two obstacles.
 #[test]
 fn a_block_in_a_corner() {
-    let scene = Scene::parse("corner.toml", CORNER, &[]).unwrap();
+    let scene = parsed(CORNER);
     let model = discretise(&scene).unwrap();
     assert_eq!((model.rigid_motions.len(), model.contacts.len()), (3, 14));
     let outcome = common::run(&scene, &model, &mut ());
@@ -121,7 +121,7 @@ fn a_balance_across_an_edge_is_not_denied() {
             time = {{ end = 1, increments = 2 }}
             "#
         );
-        Scene::parse("edge.toml", &text, &[]).unwrap()
+        parsed(&text)
     };
     let outcome = |pull: f64, linear: LinearAlgebra| {
         let scene = scene(pull);
@@ -145,7 +145,7 @@ fn a_balance_across_an_edge_is_not_denied() {
 #[test]
 fn sliding_away_is_a_slip() {
     let wall = "        { boundary = \"right\", friction = 0.2, obstacle = { kind = \"plane\" } },\n";
-    let scene = Scene::parse("slide.toml", &common::edit(CORNER, wall, ""), &[]).unwrap();
+    let scene = parsed(&common::edit(CORNER, wall, ""));
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Slips, "{:?}", outcome.records.last());

@@ -3,7 +3,7 @@
 use crate::common::prelude::*;
 use stickslip::run::report::PointRecord;
 
-use super::{PUNCH, bn, near, point, report, scene};
+use super::{PUNCH, bn, near, point, report};
 use crate::common::random::Random;
 
 /// Every method and every linear algebra has one answer for a rigid punch under a force, and the punch moved as the
@@ -19,7 +19,7 @@ fn a_rigid_body_under_a_force() {
     let choices = [Method::BN, Method::Ip].into_iter().flat_map(|method| {
         all.map(|linear| SolverChoice { linear: Some(linear), tolerance, ..SolverChoice::new(method) })
     });
-    let ends: Vec<PointRecord> = choices.map(|choice| point(&report(PUNCH, choice), "handle").clone()).collect();
+    let ends: Vec<PointRecord> = choices.map(|choice| point(&report(&PUNCH, choice), "handle").clone()).collect();
     let first = &ends[0];
     near(&first.force, &[3e5, -5e6], 1e-9);
     for other in &ends {
@@ -32,7 +32,7 @@ fn a_rigid_body_under_a_force() {
         "[[support]]\ncoupling = \"handle\"\nfix = [\"x\", \"y\", \"rotation_z\"]\ndisplacement = [{}]\n[time]",
         to.join(", ")
     );
-    let text = edit(PUNCH, "[[load]]\ncoupling = \"handle\"\nforce = [300, -5000]\n", "");
+    let text = edit(&PUNCH, "[[load]]\ncoupling = \"handle\"\nforce = [300, -5000]\n", "");
     let report = report(&edit(&text, "[time]", &moved), SolverChoice { tolerance, ..bn() });
     near(&point(&report, "handle").force, &first.force, 1e-6);
     assert!(point(&report, "handle").moment[0].abs() < 1e-6 * 5e6 * 0.01);
@@ -41,9 +41,9 @@ fn a_rigid_body_under_a_force() {
 /// A load beside the base tips a punch; the motion that nothing resists is a rotation.
 #[test]
 fn a_punch_that_tips_is_said_to_tip() {
-    let text = edit(PUNCH, "force = [300, -5000]", "force = [0, -5000]");
+    let text = edit(&PUNCH, "force = [300, -5000]", "force = [0, -5000]");
     let text = edit(&text, "[time]", "[[load]]\ncoupling = \"handle\"\nmoment = 60000\n[time]");
-    let model = discretise(&scene(&text)).unwrap();
+    let model = model_of(&text);
     let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
     assert_ne!(report.status, Status::Converged);
     assert!(report.explanation.reason.contains("a rotation about"), "{}", report.explanation.reason);
@@ -63,14 +63,14 @@ fn a_body_that_rolls_is_warned_of() {
     assert!(warned(&text));
     let held = edit(&text, "[time]", "[[support]]\ncoupling = \"punch\"\nfix = [\"rotation_z\"]\n[time]");
     assert!(!warned(&held));
-    assert!(!warned(&edit(PUNCH, "[300, -5000]", "[100, -5000]")));
+    assert!(!warned(&edit(&PUNCH, "[300, -5000]", "[100, -5000]")));
 }
 
 /// A rigid body equals a body a million times as stiff.
 #[test]
 fn a_rigid_body_is_the_limit_of_a_stiff_one() {
     let punch = edit(
-        PUNCH,
+        &PUNCH,
         "boundary = \"punch:bottom\"\nagainst = \"plate:top\"",
         "boundary = \"plate:top\"\nagainst = \"punch:bottom\"",
     );
@@ -87,7 +87,7 @@ fn a_rigid_body_that_slides_is_named() {
     for (from, to) in
         [("friction = 0.3", "friction = 0"), ("[300, -5000]", "[3000, -5000]"), ("[300, -5000]", "[0, 5000]")]
     {
-        let model = discretise(&scene(&edit(PUNCH, from, to))).unwrap();
+        let model = discretise(&parsed(&edit(&PUNCH, from, to))).unwrap();
         let run = Run::of(&model, model.times().to_vec(), bn()).unwrap();
         let report = run.solve(&mut ()).unwrap();
         assert_ne!(report.status, Status::Converged, "{to}");
@@ -99,48 +99,25 @@ fn a_rigid_body_that_slides_is_named() {
 /// carry the whole force.
 #[test]
 fn a_rigid_body_between_two_others() {
-    let text = r#"
+    let text = scene_text(
+        r#"
 units = { length = "mm", stress = "MPa" }
-[[body]]
-name = "lower"
-mesh = { kind = "block", size = [20, 10], elements = [20, 10] }
+[[body]] name = "lower", mesh = { kind = "block", size = [20, 10], elements = [20, 10] }
 material = { young = 2.1e5, poisson = 0.3 }
-[[body]]
-name = "roller"
-at = [8, 10]
-mesh = { kind = "block", size = [4, 4], elements = [4, 2] }
+[[body]] name = "roller", at = [8, 10], mesh = { kind = "block", size = [4, 4], elements = [4, 2] }
 material = { young = 1, poisson = 0.3 }
-[[body]]
-name = "upper"
-at = [0, 14]
-mesh = { kind = "block", size = [20, 10], elements = [20, 10] }
+[[body]] name = "upper", at = [0, 14], mesh = { kind = "block", size = [20, 10], elements = [20, 10] }
 material = { young = 2.1e5, poisson = 0.3 }
-[[coupling]]
-name = "roller"
-body = "roller"
-[[contact]]
-boundary = "roller:bottom"
-against = "lower:top"
-gap = "(x - 10)^2 / 200"
-friction = 0.2
-[[contact]]
-boundary = "upper:bottom"
-against = "roller:top"
-gap = "(x - 10)^2 / 200"
-friction = 0.2
-[[support]]
-boundary = "lower:bottom"
-fix = ["x", "y"]
-[[support]]
-boundary = "upper:top"
-fix = ["x", "y"]
-displacement = [0, -0.01]
-[time]
-end = 1
-increments = 2
-"#;
+[[coupling]] name = "roller", body = "roller"
+[[contact]] boundary = "roller:bottom", against = "lower:top", gap = "(x - 10)^2 / 200", friction = 0.2
+[[contact]] boundary = "upper:bottom", against = "roller:top", gap = "(x - 10)^2 / 200", friction = 0.2
+[[support]] boundary = "lower:bottom", fix = ["x", "y"]
+[[support]] boundary = "upper:top", fix = ["x", "y"], displacement = [0, -0.01]
+[time] end = 1, increments = 2
+"#,
+    );
     for linear in [LinearAlgebra::Whole(SparseLu::default()), LinearAlgebra::condensed()] {
-        let report = report(text, SolverChoice { linear: Some(linear), ..bn() });
+        let report = report(&text, SolverChoice { linear: Some(linear), ..bn() });
         let [lower, upper] = [0, 1].map(|k| report.reactions.last().unwrap().supports[k].force.clone());
         near(&[lower[1]], &[-upper[1]], 1e-9);
         assert!(lower[1] > 1e5, "{lower:?}");
@@ -155,50 +132,25 @@ increments = 2
 /// it and twice as many beside and under it. No friction.
 fn pressed(a: f64, across: usize, gap: &str, load: &str) -> String {
     let beside = 2 * across;
-    format!(
+    scene_text(&format!(
         r#"
 units = {{ length = "mm", stress = "MPa" }}
-[[body]]
-name = "plate"
-[body.mesh]
-kind = "block"
-size = [[{side}, {width}, {side}], 100]
-elements = [[{beside}, {across}, {beside}], {beside}]
-grading = [[0.02, 1, 50], 0.01]
-cells = "triangle6"
-[body.material]
-young = 2e5
-poisson = 0.3
-[[body]]
-name = "punch"
-at = [{side}, 100]
-[body.mesh]
-kind = "block"
-size = [{width}, 5]
-elements = [8, 2]
-[body.material]
-young = 1
-poisson = 0.3
-[[coupling]]
-name = "punch"
-body = "punch"
-point = [100, 100]
-[[contact]]
-boundary = "plate:top"
-against = "punch:bottom"
-friction = 0
-gap = {gap}
-[[support]]
-boundary = "plate:bottom"
-fix = ["x", "y"]
+[[body]] name = "plate"
+[body.mesh] kind = "block", size = [[{side}, {width}, {side}], 100]
+elements = [[{beside}, {across}, {beside}], {beside}], grading = [[0.02, 1, 50], 0.01], cells = "triangle6"
+[body.material] young = 2e5, poisson = 0.3
+[[body]] name = "punch", at = [{side}, 100]
+[body.mesh] kind = "block", size = [{width}, 5], elements = [8, 2]
+[body.material] young = 1, poisson = 0.3
+[[coupling]] name = "punch", body = "punch", point = [100, 100]
+[[contact]] boundary = "plate:top", against = "punch:bottom", friction = 0, gap = {gap}
+[[support]] boundary = "plate:bottom", fix = ["x", "y"]
 {load}
-[time]
-end = 1
-increments = 1
+[time] end = 1, increments = 1
 "#,
         side = 100.0 - a,
         width = 2.0 * a,
-    )
+    ))
 }
 
 /// A flat rigid punch with a force and a moment on a half-plane turns by `θ = 4 M / (π E* a²)` (Johnson, Contact Mechanics,
@@ -255,39 +207,21 @@ fn random_rigid_bodies() {
         };
         let force = if space { format!("[{aside}, 0, {}]", -down) } else { format!("[{aside}, {}]", -down) };
         let moment = if space { format!("[0, {}, 0]", -down * arm) } else { format!("{}", down * arm) };
-        let text = format!(
+        let text = scene_text(&format!(
             r#"
 units = {{ length = "mm", stress = "MPa" }}
-[[body]]
-name = "plate"
-mesh = {{ kind = "block", size = {size}, elements = {fine} }}
+[[body]] name = "plate", mesh = {{ kind = "block", size = {size}, elements = {fine} }}
 material = {{ young = 2e5, poisson = 0.3 }}
-[[body]]
-name = "punch"
-at = {at}
-mesh = {{ kind = "block", size = {punch}, elements = {coarse} }}
+[[body]] name = "punch", at = {at}, mesh = {{ kind = "block", size = {punch}, elements = {coarse} }}
 material = {{ young = 1, poisson = 0.3 }}
-[[coupling]]
-name = "punch"
-body = "punch"
-[[contact]]
-boundary = "plate:top"
-against = "punch:bottom"
-friction = {mu}
-[[support]]
-boundary = "plate:bottom"
-fix = ["x", "y"{more}]
-[[load]]
-coupling = "punch"
-force = {force}
-[[load]]
-coupling = "punch"
-moment = {moment}
-[time]
-end = 1
-increments = 2
+[[coupling]] name = "punch", body = "punch"
+[[contact]] boundary = "plate:top", against = "punch:bottom", friction = {mu}
+[[support]] boundary = "plate:bottom", fix = ["x", "y"{more}]
+[[load]] coupling = "punch", force = {force}
+[[load]] coupling = "punch", moment = {moment}
+[time] end = 1, increments = 2
 "#
-        );
+        ));
         let whole = LinearAlgebra::Whole(SparseLu::default());
         let choices = [(Method::BN, whole), (Method::BN, LinearAlgebra::condensed()), (Method::Ip, whole)];
         let ends = choices.map(|(method, linear)| {

@@ -38,7 +38,7 @@ fn on_a_shaft(mesh: Mesh, radius: f64, approach: f64, more: &str) -> Model {
          obstacle = {{ kind = \"cylinder\", radius = {radius}, center = [0, 0], normal = [-1, -1], direction = \"nearest\", \
          motion = {{ translation = [[0, 0, 0], [1, 0, {approach}]] }} }}\n[time]\nend = 1\nincrements = 1\n"
     );
-    let mut scene = Scene::parse("shaft.toml", &text, &[]).unwrap();
+    let mut scene = parsed(&text);
     scene.description.mesh = MeshSource::from(mesh);
     discretise(&scene).unwrap()
 }
@@ -104,7 +104,7 @@ fn in_a_socket(mut mesh: Mesh) {
          [time]\nend = 1\nincrements = 1\n",
         1.0 - delta
     );
-    let mut scene = Scene::parse("socket.toml", &text, &[]).unwrap();
+    let mut scene = parsed(&text);
     scene.description.mesh = MeshSource::from(mesh);
     let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());

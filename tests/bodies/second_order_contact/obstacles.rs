@@ -12,35 +12,18 @@ fn distances(contact: &ContactNode, u: &[[f64; 3]], gap: &dyn Fn(&Term) -> f64) 
 /// Supports hold and move the ends of the boundary: what they prescribe is in the rows beside them, and their forces balance.
 #[test]
 fn corners_that_supports_move() {
-    let text = r#"
-        [mesh]
-        kind = "block"
-        size = [1, 0.5]
-        elements = [4, 2]
-        cells = "triangle6"
-        [material]
-        young = 1.0
-        poisson = 0.3
-        [[support]]
-        boundary = "left"
-        fix = ["x", "y"]
-        displacement = [0.0, -2e-3]
-        [[support]]
-        boundary = "right"
-        fix = ["x", "y"]
-        displacement = [1e-3, -5e-4]
-        [[contact]]
-        boundary = "bottom"
-        friction = 0.3
-        obstacle = { kind = "plane", gap = 2e-3 }
-        [[load]]
-        boundary = "top"
-        traction = [0.0, -0.002]
-        [time]
-        end = 1.0
-        increments = 3
-    "#;
-    let scene = Scene::parse("moved.toml", text, &[]).unwrap();
+    let text = scene_text(
+        r#"
+[mesh] kind = "block", size = [1, 0.5], elements = [4, 2], cells = "triangle6"
+[material] young = 1.0, poisson = 0.3
+[[support]] boundary = "left", fix = ["x", "y"], displacement = [0.0, -2e-3]
+[[support]] boundary = "right", fix = ["x", "y"], displacement = [1e-3, -5e-4]
+[[contact]] boundary = "bottom", friction = 0.3, obstacle = { kind = "plane", gap = 2e-3 }
+[[load]] boundary = "top", traction = [0.0, -0.002]
+[time] end = 1.0, increments = 3
+"#,
+    );
+    let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let held_ends = model.contacts.iter().flat_map(|contact| contact.ends.iter().flatten());
     let corners = [0.0, 1.0].map(|x| held_ends.clone().filter(|end| end.position[0] == x).count());
@@ -80,7 +63,7 @@ fn a_cylinder_that_moves_along() {
              motion = {{ translation = [[0, 0, 0], [1, 0, -0.01], [2, 0.3, -0.01]] }} }}\n\
              [time]\nend = 2.0\nincrements = 8\n"
         );
-        let scene = Scene::parse("roller.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
         let mut keep = Keep::default();
         solve(&model, model.times(), SolverChoice::default(), &mut keep);
@@ -139,35 +122,20 @@ fn stresses_on_curved_boundaries() {
             mesh.nodes[facet[1]] = x.map(|c| c * radius / norm(x));
         }
     }
-    let text = r#"
-        [mesh]
-        kind = "block"
-        size = [1, 1]
-        elements = [1, 1]
-        [material]
-        young = 1.0
-        poisson = 0.3
-        [[support]]
-        point = [0.6, 0]
-        fix = ["y"]
-        [[support]]
-        point = [-0.6, 0]
-        fix = ["y"]
-        [[support]]
-        point = [0, 0.6]
-        fix = ["x"]
-        [[contact]]
-        boundary = "outer"
-        friction = 0.0
-        obstacle = { kind = "bore", radius = 1.0, apex = [0, 1], normal = [0, 1], direction = "nearest" }
-        [[load]]
-        boundary = "inner"
-        pressure = 1e-3
-        [time]
-        end = 1.0
-        increments = 1
-    "#;
-    let mut scene = Scene::parse("ring.toml", text, &[]).unwrap();
+    let text = scene_text(
+        r#"
+[mesh] kind = "block", size = [1, 1], elements = [1, 1]
+[material] young = 1.0, poisson = 0.3
+[[support]] point = [0.6, 0], fix = ["y"]
+[[support]] point = [-0.6, 0], fix = ["y"]
+[[support]] point = [0, 0.6], fix = ["x"]
+[[contact]] boundary = "outer", friction = 0.0
+obstacle = { kind = "bore", radius = 1.0, apex = [0, 1], normal = [0, 1], direction = "nearest" }
+[[load]] boundary = "inner", pressure = 1e-3
+[time] end = 1.0, increments = 1
+"#,
+    );
+    let mut scene = parsed(&text);
     scene.description.mesh = MeshSource::from(mesh);
     let model = discretise(&scene).unwrap();
     let mut lines = Lines(&model, Vec::new());
@@ -198,7 +166,7 @@ fn rims_of_obstacles() {
          [[contact]]\nboundary = \"top\"\nfriction = 0.2\n\
          obstacle = { kind = \"sphere\", radius = 0.3, apex = [0.5, 0.5, 0.5], approach = [[0, 0], [1, 0.01]] }\n\
          [time]\nend = 1.0\nincrements = 2\n";
-    let scene = Scene::parse("sphere.toml", text, &[]).unwrap();
+    let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let exact = |x: [f64; 3]| 0.3 - (0.09 - (x[0] - 0.5).powi(2) - (x[1] - 0.5).powi(2)).sqrt();
     let gaps = model.loading.gaps_at(0.0);
@@ -229,7 +197,7 @@ fn triangles_and_quadrilaterals_of_second_order_do_not_meet() {
              [time]\nend = 1\nincrements = 1\n"
         )
     };
-    assert!(discretise(&Scene::parse("ends.toml", &text("top"), &[]).unwrap()).is_ok());
-    let error = discretise(&Scene::parse("ends.toml", &text("left"), &[]).unwrap()).unwrap_err();
+    assert!(discretise(&parsed(&text("top"))).is_ok());
+    let error = discretise(&parsed(&text("left"))).unwrap_err();
     assert!(error.to_string().contains("a triangle and a quadrilateral of second order with contact meet"), "{error}");
 }

@@ -79,7 +79,7 @@ fn glued_blocks_on_one_floor() {
         ]
         .concat();
         let name = format!("{cells} {a} {b} {elastic}");
-        let model = discretise(&Scene::parse("seam.toml", &text, &[]).unwrap()).unwrap();
+        let model = model_of(&text);
         by_all(&model, &name, 10, is_uniform);
     }
 }
@@ -107,7 +107,7 @@ fn a_period_over_an_obstacle() {
                  [[support]]\nboundary = \"top\"\nfix = [{fix}]\ndisplacement = [{press}]\n[time]\nend = 1\nincrements = 1\n",
                 shifts.iter().map(glued).collect::<String>()
             );
-            let model = discretise(&Scene::parse("period.toml", &text, &[]).unwrap()).unwrap();
+            let model = model_of(&text);
             by_all(&model, &format!("{cells} {shifts:?}"), 10, is_uniform);
         }
     }
@@ -228,7 +228,7 @@ fn the_end_of_a_weld() {
             .to_string(),
     ]
     .concat();
-    let model = discretise(&Scene::parse("weld.toml", &text, &[]).unwrap()).unwrap();
+    let model = model_of(&text);
     by_all(&model, "weld", 10, |model, state| {
         for (i, contact) in model.contacts.iter().enumerate() {
             let pressure = state.p_n[i] / contact.weight;
@@ -261,7 +261,7 @@ fn a_seam_over_a_slope() {
         let glue = "[[contact]]\nboundary = \"a:right\"\nagainst = \"b:left\"\nglue = true\n";
         let time = "[time]\nend = 1\nincrements = 1\n";
         let text = [body("a", 0.0, 3), body("b", 1.0, 4), glue.into(), contact("a", ""), contact("b", motion)];
-        discretise(&Scene::parse("slope.toml", &(text.concat() + time), &[]).unwrap()).unwrap()
+        model_of(&(text.concat() + time))
     };
     let model = scene("");
     let nodes = model.mesh.nodes.clone();
@@ -294,7 +294,7 @@ fn glued(boundary: &str, against: &str) -> String {
 fn a_contact_goes_on_across_seams() {
     let report = |scene: &[String]| {
         let text = [&scene.concat(), "[time]\nend = 1\nincrements = 1\n"].concat();
-        let report = Run::new(&Scene::parse("seam.toml", &text, &[]).unwrap()).unwrap().solve(&mut ()).unwrap();
+        let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
         assert_eq!(report.status, Status::Converged);
         report
     };

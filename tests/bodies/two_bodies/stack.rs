@@ -222,7 +222,7 @@ fn a_block_that_just_touches() {
                  [[contact]]\nboundary = \"high:bottom\"\nagainst = \"low:top\"\nfriction = 0.3\n\
                  [[load]]\nboundary = \"high:top\"\ntraction = [0.0, -1e6]\n"
             );
-            let scene = Scene::parse("touches.toml", &text, &[]).unwrap();
+            let scene = parsed(&text);
             let run = Run::new(&scene).unwrap();
             assert!(run.model().contacts.iter().all(|contact| contact.facing.gap == 0.0), "{cells} {height}");
             let report = run.solve(&mut ()).unwrap();
