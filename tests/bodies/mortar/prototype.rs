@@ -14,8 +14,8 @@ pub fn rows(name: &str) -> Vec<Row> {
             rows.last_mut().unwrap().4.extend(shares.map(|(n, c)| (n.parse::<usize>().unwrap(), c.parse().unwrap())));
         } else {
             let numbers: Vec<f64> = words.map(|word| word.parse().unwrap()).collect();
-            let [node, weight, gap, normal @ ..] = numbers[..] else { panic!("{line}") };
-            rows.push((node as usize, weight, gap, normal.try_into().unwrap(), Vec::new()));
+            let [node, weight, gap, x, y, z] = numbers[..] else { panic!("{line}") };
+            rows.push((node as usize, weight, gap, [x, y, z], Vec::new()));
         }
     }
     rows
