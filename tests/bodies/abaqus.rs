@@ -1,10 +1,7 @@
 //! Input files of Abaqus and CalculiX: their meshes, sets and surfaces, and what is refused.
 
-use crate::common::faults::{rows, says};
 use crate::common::prelude::*;
 use std::fmt::Write as _;
-use std::fs;
-use stickslip::body::mesh::MeshFileError;
 
 use super::common::mesh_files::inp;
 use super::mesh_formats::{from_least, of_all_kinds};

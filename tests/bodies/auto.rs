@@ -36,7 +36,7 @@ fn squares_are_condensed_and_strips_are_not() {
 
 #[test]
 fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
-    let text = include_str!("../../data/scenes/cube.toml");
+    let text = CUBE;
     for (elements, size, expected) in
         [("[8,8,8]", "[1,1,1]", true), ("[16,16,4]", "[1,1,0.25]", true), ("[32,32,2]", "[1,1,0.0625]", false)]
     {
@@ -106,7 +106,7 @@ fn what_memory_does_not_hold_is_not_chosen() {
 fn who_multigrid_is_for() {
     let built_in = LinearAlgebra::Multigrid.is_built_in();
     let of = |overrides: &[&str], method: Method| {
-        let text = include_str!("../../data/scenes/cube.toml");
+        let text = CUBE;
         unsuited(&discretise(&parsed_with(text, overrides)).unwrap(), method.into())
     };
     let small = "mesh.elements=[3,3,3]";
@@ -120,7 +120,7 @@ fn who_multigrid_is_for() {
 
 #[test]
 fn without_contact_any_choice_solves() {
-    let text = include_str!("../../data/scenes/block.toml");
+    let text = BLOCK;
     let (contact, load) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let scene =
         parsed_with(&[&text[..contact], &text[load..]].concat(), &["mesh.elements=[4,4]", "solver.linear=\"auto\""]);

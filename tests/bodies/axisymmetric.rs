@@ -3,8 +3,7 @@
 
 use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::body::constraints::rigid_motions;
-use stickslip::body::fem::{NodalForces, bernstein, element_stiffness, facet_weights, traction, uniform_traction};
+use stickslip::body::fem::{NodalForces, bernstein, facet_weights, traction, uniform_traction};
 
 const TRIANGLE: [[f64; 3]; 3] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [1.5, 2.0, 0.0]];
 const QUADRILATERAL: [[f64; 3]; 4] = [[1.0, 0.2, 0.0], [3.0, 0.5, 0.0], [2.6, 2.0, 0.0], [1.2, 1.7, 0.0]];

@@ -1,12 +1,6 @@
 //! Bodies of revolution against closed forms: pressure, weight, spin, heat, beds and supports.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
-use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
-use stickslip::body::Bed;
-use stickslip::body::fem::{gradients, strain_at};
-use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// All elements there are.
 pub const ELEMENTS: [(CellKind, Element); 5] = [

@@ -1,9 +1,6 @@
 //! Contact of bodies of revolution. Figures without a closed form are those of a program that shares nothing with this one.
 
-#![allow(clippy::print_stdout)]
-
 use crate::axisymmetric_bodies::{ELEMENTS, ring, solved};
-use crate::common::hertz::Hertz;
 use crate::common::prelude::*;
 use crate::second_order_contact::hertz::{alternating, graded, keep_zone};
 

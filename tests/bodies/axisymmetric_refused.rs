@@ -1,6 +1,5 @@
 //! What a body of revolution cannot be, hold, carry or touch.
 
-use crate::common::faults::{refused, verify_all};
 use crate::common::prelude::*;
 
 static DISC: LazyLock<String> = LazyLock::new(|| {

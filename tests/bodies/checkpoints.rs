@@ -1,7 +1,6 @@
 //! Histories that are taken up from each of their checkpoints: the numbers are those of the whole, to the last bit.
 
 use crate::common::prelude::*;
-use stickslip::run::{RecordedIncrement, RunError};
 use stickslip::solver::CheckpointError;
 
 /// Keeps all checkpoints, as bytes, and all increments.
@@ -51,9 +50,6 @@ fn taken_up(scene: &Scene) -> usize {
     }
     all.checkpoints.len()
 }
-
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-const CUBE: &str = include_str!("../../data/scenes/cube.toml");
 
 #[test]
 fn each_method_on_each_linear_algebra_goes_on_to_the_last_bit() {

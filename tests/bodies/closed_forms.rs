@@ -1,6 +1,5 @@
 //! Cases with an answer on paper.
 
-use crate::common;
 use crate::common::prelude::*;
 
 /// A block pressed on a foundation, free to widen: uniform stress, whatever the mesh.

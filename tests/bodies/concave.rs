@@ -1,7 +1,6 @@
 //! Bores, sockets and cones: bodies in conforming ones, Sneddon's cone, and gaps that end on the surface wherever it has gone.
 
 use crate::common::prelude::*;
-use stickslip::algebra::{cross, unit};
 use stickslip::body::{DeformedNode, range_left};
 
 fn nearest(shape: Shape, normal: &[f64]) -> Obstacle {

@@ -2,10 +2,8 @@
 
 mod rigid_bodies;
 
-use crate::common::faults::{refused, says, verify_all};
 use crate::common::prelude::*;
-
-use stickslip::body::{Coupling, Part};
+use stickslip::body::Part;
 use stickslip::run::report::PointRecord;
 
 /// A cantilever of 100 mm x 10 mm, without lateral contraction, so that beam theory is exact for a moment.

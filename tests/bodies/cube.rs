@@ -1,11 +1,6 @@
 //! Three dimensions as a whole: the cube under the paper's loads, slabs that are plane, scenes that are turned.
 
-#![allow(clippy::print_stdout)]
-
-use crate::common;
 use crate::common::prelude::*;
-use std::f64::consts::FRAC_1_SQRT_2;
-use std::path::Path;
 
 /// BN on condensed matrices, which solves each increment as it stands.
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
@@ -181,7 +176,7 @@ fn a_slab_is_plane() {
     let size = format!("mesh.size=[1,{thickness},1]");
     let elements = format!("mesh.elements=[{n},1,{n}]");
     let held = "[[support]]\nboundary = \"front\"\nfix = [\"y\"]\n[[support]]\nboundary = \"back\"\nfix = [\"y\"]\n";
-    let text = include_str!("../../data/scenes/cube.toml").to_string() + held;
+    let text = CUBE.to_string() + held;
     let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
     let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
     let ((plane, flat, flat_states), space) = (solve(&block), discretise(&slab).unwrap());

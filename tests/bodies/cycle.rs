@@ -1,9 +1,6 @@
 //! A load cycle against closed forms: the cylinder of Cattaneo and Mindlin pushed to and fro, and a block that slides.
 
 // The figures of doc/method/verification.md, with --nocapture.
-#![allow(clippy::print_stdout)]
-
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::run::report::{CycleNode, SlipRegime};
 

@@ -1,10 +1,7 @@
 //! A model without text: the same numbers as from a scene, and nothing wrong gets through; what is wrong is named by
 //! its key.
 
-use crate::common;
-use crate::common::faults::BLOCK;
 use crate::common::prelude::*;
-use stickslip::body::ModelError;
 use stickslip::body::fem::Layer;
 
 /// The paper's block as data/scenes/block.toml has it, with fewer elements.

@@ -1,8 +1,7 @@
 //! The door of the library: reports and arrays without files.
 
 use crate::common::prelude::*;
-
-use crate::common::{BELT, block, run};
+use crate::common::{block, run};
 use stickslip::run::Sink;
 
 fn small() -> Scene {

@@ -1,8 +1,5 @@
 //! What a report says of its own mesh. doc/method/estimates.md has the figures, which `--nocapture` prints.
 
-#![allow(clippy::print_stdout)]
-
-use crate::common::hertz::Hertz;
 use crate::common::prelude::*;
 use stickslip::body::{ContactEstimate, peak_error};
 

@@ -1,7 +1,6 @@
 //! Friction that differs from place to place, and with time.
 
 use super::fronts::{divided, pushed, solved};
-use crate::common::BELT;
 use crate::common::prelude::*;
 
 /// On a belt that runs, every node slides with the friction of its own place.

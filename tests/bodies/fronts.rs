@@ -1,7 +1,5 @@
 //! What is in front of a boundary: obstacles smaller than it, several of them, boundaries that share nodes.
 
-use crate::common;
-use crate::common::BELT;
 use crate::common::prelude::*;
 use stickslip::body::Contact;
 

@@ -1,11 +1,8 @@
 //! Gmsh files are read whole, or refused with the line, the reason and the remedy.
 
-use crate::common::faults::{rows, says, words};
+use crate::common::faults::words;
 use crate::common::mesh_files::{gmsh_type, in_gmsh_order};
 use crate::common::prelude::*;
-use std::path::Path;
-use stickslip::body::ModelError;
-use stickslip::body::mesh::{MeshFileError, from_gmsh};
 
 fn read(name: &str, scale: f64) -> Mesh {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("data/meshes").join(name);

@@ -1,16 +1,10 @@
 //! What increments leave, by the run itself, beside the exact path in time. doc/method/estimates.md has the figures, which `--nocapture` prints.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
-
 use stickslip::solver::history::IncrementError;
 
-const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const LINE: &str = include_str!("../../data/scenes/hertz_line.toml");
 const SPHERE: &str = include_str!("../../data/scenes/hertz_sphere.toml");
-const CUBE: &str = include_str!("../../data/scenes/cube.toml");
 
 fn solved(scene: &str, increments: usize, set: &[&str]) -> RunReport {
     let increments = format!("time.increments={increments}");

@@ -1,8 +1,6 @@
 //! Pretensions and periodic boundaries: bars and joints in closed form, equal results of all methods, refused inputs.
 
-use crate::common::faults::{refused, says, verify_all};
 use crate::common::prelude::*;
-
 use stickslip::run::report::SectionRecord;
 use stickslip::run::tightening;
 

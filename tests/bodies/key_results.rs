@@ -1,7 +1,5 @@
 //! The key results of a run against forces and pressures that are known.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
 
 const FRICTION: f64 = 0.3;

@@ -1,6 +1,5 @@
 //! Bodies of horizontal layers against the exact solution of layers in series.
 
-use crate::common;
 use crate::common::prelude::*;
 
 const PRESSURE: f64 = 1e6;

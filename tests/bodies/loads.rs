@@ -1,10 +1,6 @@
 //! Loads, supports and springs against closed forms, and the balance of all forces.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
-use crate::common::rings::ring;
-use stickslip::body::Bed;
 
 const BOTH: [Axis; 2] = [Axis::X, Axis::Y];
 

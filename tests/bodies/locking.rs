@@ -1,10 +1,7 @@
 //! Nearly incompressible bodies in plane strain: bilinear elements lock, B-bar elements do not.
 
-use crate::common;
 use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::body::constraints::facet_load;
-use stickslip::body::fem::element_stiffness;
 
 /// A quadrilateral without parallel sides.
 const DISTORTED: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];

@@ -1,6 +1,6 @@
 //! From a scene to matrices and back: meshes, elements, obstacles, closed forms, result files.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -1,13 +1,9 @@
 //! The error of the mesh in the energy norm beside what a run says of it. doc/method/estimates.md has the figures, which `--nocapture` prints.
 
-#![allow(clippy::print_stdout)]
-
 use super::estimates::solved;
 use crate::common::prelude::*;
 use crate::common::solve;
 use stickslip::body::ElementEstimate;
-use stickslip::body::fem::{gradients, strain_at};
-use stickslip::body::mesh::{fine_quadrature, shape};
 
 /// A block that is bent by tractions that are linear over its height: the exact strain energy is `∫ σ² / 2E`, in plane strain with
 /// `E / (1 - ν²)`. That of the mesh is smaller by half the square of the error, and the estimate meets it to an eighth.

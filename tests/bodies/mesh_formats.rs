@@ -1,10 +1,7 @@
 //! One mesh in every format of Gmsh: text and binary, old and new, whole, damaged and partitioned.
 
-use crate::common::prelude::*;
-use std::path::Path;
-use stickslip::body::mesh::from_gmsh;
-
 use super::common::mesh_files::{Msh, msh};
+use crate::common::prelude::*;
 
 /// Returns a mesh of each kind of cells, with boundaries.
 pub(super) fn of_all_kinds() -> Vec<Mesh> {

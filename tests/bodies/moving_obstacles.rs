@@ -1,7 +1,5 @@
 //! Obstacles that move: friction along a belt, and gaps that are exact wherever the obstacle has gone.
 
-use crate::common;
-use crate::common::BELT;
 use crate::common::prelude::*;
 
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {

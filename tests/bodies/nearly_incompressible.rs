@@ -1,10 +1,7 @@
 //! What elements are worth near ν = 1/2 beyond forces: stresses, contact pressures, and bending with compressible materials.
 
-#![allow(clippy::print_stdout)]
-
 use super::axisymmetric_bodies::ring;
 use crate::common::prelude::*;
-use stickslip::body::Probe;
 
 const YOUNG: f64 = 6e6;
 /// Inner and outer radius of a tube, its height and its interference with the bore, m.

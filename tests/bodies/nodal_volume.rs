@@ -3,7 +3,6 @@
 
 use crate::common::prelude::*;
 use crate::common::solve;
-use stickslip::body::constraints::{facet_load, rigid_motions};
 use stickslip::body::fem::traction;
 
 /// Cells without parallel sides inside; those of second order are straight, and, the second of each, curved.

@@ -1,12 +1,9 @@
 //! Bodies whose dilatations are averaged at their corners: contact, supports, heat, stresses, estimates. Figures without a closed form are
 //! those of a program that shares nothing with this one.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
 use stickslip::body::Balance;
-use stickslip::body::fem::{cell_volume, gradients};
-use stickslip::body::mesh::{fine_quadrature, shape};
+use stickslip::body::fem::cell_volume;
 
 /// A scene with every linear algebra of this build.
 fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording)) {

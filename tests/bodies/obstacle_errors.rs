@@ -1,9 +1,7 @@
 //! What is wrong with the obstacles and the friction of a scene.
 
 use super::surfaces::{Triangle, ascii, binary};
-use crate::common::faults::{BLOCK, line_of, refused, rows, verify, verify_all};
 use crate::common::prelude::*;
-use crate::common::scratch::Scratch;
 
 const OF_THE_BLOCK: &str = r#"
 friction = 0.4 | friction = "0.4 * r" | friction = | `r` is neither x, y nor z | Coulomb's coefficient
@@ -93,7 +91,7 @@ kind = "surface", file = "WORD" | :4: `vortex` is no word of an STL file | count
 
 #[test]
 fn bad_cones_and_surfaces_in_space() {
-    let cube = edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]");
+    let cube = edit(CUBE, "[10, 10, 10]", "[2, 2, 2]");
     let flat = vec![[[0.0, 0.0, -0.1], [1.0, 0.0, -0.1], [0.0, 1.0, -0.1]]];
     let turned = vec![flat[0], [[1.0, 0.0, -0.1], [0.0, 1.0, -0.1], [1.0, 1.0, -0.1]]];
     let below: Vec<Triangle> = flat.iter().map(|[a, b, c]| [*a, *c, *b]).collect();

@@ -1,10 +1,7 @@
 //! Gaps, normals and motions of obstacles against what a pencil gives, and bad obstacles.
 
-use crate::common;
-use crate::common::BELT;
 use crate::common::prelude::*;
-use std::f64::consts::FRAC_1_SQRT_2;
-use stickslip::algebra::{cross, plus, unit};
+use stickslip::algebra::plus;
 use stickslip::body::{Facing, ObstacleError};
 
 const Z: [f64; 3] = [0.0, 0.0, 1.0];

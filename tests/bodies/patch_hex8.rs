@@ -1,13 +1,8 @@
 //! All elements, in two and three dimensions: volumes, patch tests, rigid motions, convergence, locking.
 
 use crate::common::prelude::*;
-
-use crate::common;
 use crate::common::solve;
-use stickslip::algebra::unit;
-use stickslip::body::constraints::{facet_load, rigid_motions};
-use stickslip::body::fem::{element_stiffness, gradients};
-use stickslip::body::mesh::{fine_quadrature, quadrature, quadrature_of, shape};
+use stickslip::body::mesh::quadrature_of;
 
 /// A unit square or cube of `n` elements along each axis, of any kind.
 fn cube(kind: CellKind, n: usize) -> Mesh {

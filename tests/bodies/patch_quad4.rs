@@ -2,11 +2,6 @@
 
 use crate::common::prelude::*;
 
-use crate::common;
-use stickslip::body::constraints::facet_load;
-use stickslip::body::fem::gradients;
-use stickslip::body::mesh::{quadrature, shape};
-
 const QUAD: CellKind = CellKind::Quadrilateral;
 
 /// A block whose inner nodes are moved about by up to 0.3 of an element, the same way every time.

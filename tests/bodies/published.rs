@@ -1,13 +1,7 @@
 //! Published cases and closed forms of contact: shrink fit, flat punch, receding contact, stick under a growing load.
 //! `doc/method/verification.md` has the figures, which `--nocapture` prints.
 
-#![allow(clippy::print_stdout)]
-
-use crate::common;
 use crate::common::prelude::*;
-use crate::common::rings::ring;
-use std::f64::consts::FRAC_1_SQRT_2;
-use stickslip::run::RecordedIncrement;
 
 const YOUNG: f64 = 210e9;
 const NU: f64 = 0.3;

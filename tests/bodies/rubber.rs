@@ -1,8 +1,6 @@
 //! Bonded blocks of rubber that are pressed: how far elements for bodies that hardly change their volume are from fine bricks with B-bar.
 //! The tables of doc/method/verification.md are what the last two tests print.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
 
 fn solved(text: &str) -> RunReport {

@@ -1,6 +1,6 @@
 //! What a scene says that its mesh contradicts.
 
-use crate::common::faults::{BLOCK, line_at, line_of, refused, verify, verify_all};
+use crate::common::faults::line_at;
 use crate::common::prelude::*;
 
 const AGAINST_THE_MESH: &str = r#"
@@ -85,7 +85,7 @@ fn a_boundary_not_found_in_a_file() {
 }
 
 fn small_cube() -> String {
-    edit(include_str!("../../data/scenes/cube.toml"), "[10, 10, 10]", "[2, 2, 2]")
+    edit(CUBE, "[10, 10, 10]", "[2, 2, 2]")
 }
 
 #[test]

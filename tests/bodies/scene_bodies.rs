@@ -2,8 +2,6 @@
 
 use crate::common::prelude::*;
 
-use crate::common::faults::{built, located, says, verify_all};
-
 /// Two blocks, one above the other, each held by its own top and pressed on its own floor.
 pub static TWO: LazyLock<String> = LazyLock::new(|| {
     scene_text(

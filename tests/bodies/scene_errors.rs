@@ -1,11 +1,7 @@
 //! What is wrong with a scene is said with file, line, reason and remedy, and nothing wrong gets through.
 
+use crate::common::faults::line_at;
 use crate::common::prelude::*;
-use std::fs;
-use std::ops::Range;
-use std::path::Path;
-
-use crate::common::faults::{BLOCK, line_at, located, verify, verify_all};
 
 const REMOVE: &str = "remove the key or correct its spelling";
 const ADD: &str = "add the key; `stickslip init block` shows a complete scene";

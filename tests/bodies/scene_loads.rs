@@ -2,8 +2,6 @@
 
 use crate::common::prelude::*;
 
-use crate::common::faults::{BLOCK, built, located, verify_all};
-
 /// Refused as the scene is read.
 const READ: &str = r#"
 fix = ["x", "y"] | fix = [] | fix = | fix is empty | ["x", "y"]

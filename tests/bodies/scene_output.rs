@@ -1,9 +1,7 @@
 //! What a scene writes: which increments, and faults of its keys.
 
 use crate::common::block;
-use crate::common::faults::{BLOCK, line_of, located, rows, verify, verify_all};
 use crate::common::prelude::*;
-use stickslip::body::Probe;
 
 const OUTPUT: &str = r#"
 times = | every = 0¶times = | every = | output.every is 0 & at least 1 | each increment

@@ -1,12 +1,6 @@
 //! `--set` changes what it names and nothing else, and what it cannot change it refuses.
 
-// Values that were given are read back exactly.
-#![allow(clippy::float_cmp)]
-
 use crate::common::prelude::*;
-use stickslip::scene::Override;
-
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 
 /// A second contact, with its obstacle as a table of its own.
 const SECOND: &str =

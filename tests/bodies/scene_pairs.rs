@@ -2,8 +2,6 @@
 
 use crate::common::prelude::*;
 
-use crate::common::faults::{built, located, verify_all};
-
 const TWO_BLOCKS: &str = include_str!("../../data/scenes/two_blocks.toml");
 
 const READ: &str = r#"

@@ -1,6 +1,6 @@
 //! Values that a scene may not have, and values that contradict one another.
 
-use crate::common::faults::{BLOCK, located, verify_all};
+use crate::common::prelude::*;
 
 const VALUES: &str = r#"
 "bn" | "bn"¶r_factor = 2 | r_factor | the method bn in the setting paper has no r_factor | remove the key

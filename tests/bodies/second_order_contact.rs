@@ -1,7 +1,5 @@
 //! Contact on boundaries of second order: the law for Bernstein's polynomials, three nodes a row at the middles of edges.
 
-#![allow(clippy::print_stdout)]
-
 mod fits;
 pub(crate) mod hertz;
 mod obstacles;

@@ -1,10 +1,9 @@
 //! Bodies beside each other: each has the motions and the answer that it has alone.
 
 use super::scene_bodies::TWO;
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::base::UnitSystem;
-use stickslip::body::constraints::{Tie, rigid_motions, unresisted_motions};
+use stickslip::body::constraints::{Tie, unresisted_motions};
 use stickslip::body::fem::overlaps;
 
 fn joined(bodies: Vec<Body>) -> Mesh {

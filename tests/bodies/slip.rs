@@ -3,8 +3,6 @@
 use crate::common::prelude::*;
 use std::fmt::Write;
 
-use crate::common::scratch::Scratch;
-
 fn run(text: &str, overrides: &[&str]) -> RunReport {
     let scene = parsed_with(text, overrides);
     Run::new(&scene).unwrap().solve(&mut ()).unwrap()

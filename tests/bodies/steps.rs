@@ -4,8 +4,6 @@ use crate::common::prelude::*;
 use stickslip::algebra::linear::Statistics;
 use stickslip::solver::history::{Error, Stepper};
 
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-
 fn model() -> (Model, Vec<f64>) {
     let scene = parsed_with(BLOCK, &["mesh.elements=[8,8]", "time.increments=8"]);
     (discretise(&scene).unwrap(), scene.time.all())

@@ -1,11 +1,8 @@
 //! Stresses recovered at the nodes and along the contact surface, beside closed forms: how far they are off, and how fast
 //! that falls with the size of the elements. doc/method/estimates.md has the figures, which `--nocapture` prints.
 
-#![allow(clippy::print_stdout)]
-
+use crate::common;
 use crate::common::prelude::*;
-use crate::common::{self, hertz::Hertz};
-use std::f64::consts::FRAC_PI_2;
 use stickslip::body::SurfaceStress;
 
 /// The nodal stresses of a body at the end, and those along its contact surface.

@@ -2,7 +2,6 @@
 
 use crate::common::prelude::*;
 use crate::common::run;
-use crate::common::scratch::Scratch;
 use std::fmt::Write as _;
 
 pub type Triangle = [[f64; 3]; 3];

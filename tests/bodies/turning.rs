@@ -1,8 +1,6 @@
 //! Obstacles that turn and pass: gaps of every kind are exact at any angle, a back does not press, and only what touches leans.
 
-use crate::common::faults::{line_of, verify};
 use crate::common::prelude::*;
-use crate::common::scratch::Scratch;
 use stickslip::body::Facing;
 
 /// The gaps of the bottom of `mesh` at t = 1 s, in front of a `shape` that turns by `angle` until then about `axis` through a point.

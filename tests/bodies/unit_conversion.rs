@@ -1,8 +1,6 @@
 //! Every number of a scene in units of its own is converted.
 
-use crate::common::faults::refused;
 use crate::common::prelude::*;
-use stickslip::base::{LengthUnit, Quantity, StressUnit, Units};
 
 /// The numbers in a text, each with the text before it.
 fn numbers(text: &str) -> Vec<(String, f64)> {

@@ -1,9 +1,6 @@
 //! What contact nodes do not feel of obstacles: another obstacle that comes, what is between nodes, holes.
 
-use crate::common;
 use crate::common::prelude::*;
-use crate::common::rings::ring;
-use crate::common::scratch::Scratch;
 use crate::estimates::solved;
 use crate::surfaces::{Triangle, ascii};
 

@@ -1,10 +1,7 @@
 //! Universal files (UNV): their nodes, elements and groups, and what is refused.
 
-use crate::common::faults::{rows, says};
 use crate::common::prelude::*;
 use std::fmt::Write as _;
-use std::path::Path;
-use stickslip::body::mesh::MeshFileError;
 
 use super::common::mesh_files::unv;
 use super::mesh_formats::{from_least, of_all_kinds};

@@ -1,11 +1,7 @@
 //! Closed forms and a published case, on the scenes of data/scenes; `doc/method/verification.md` has the figures.
 
 // The figures of doc/method/verification.md, with --nocapture.
-#![allow(clippy::print_stdout)]
-
-use crate::common;
-use crate::common::convergence::{self, order};
-use crate::common::hertz::Hertz;
+use crate::common::convergence;
 use crate::common::prelude::*;
 
 const YOUNG: f64 = 210e9;

@@ -9,8 +9,6 @@ use stickslip::scene::{Scene, SceneError};
 
 use super::edit;
 
-pub const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-
 /// The rows of a table; lines that begin with `//` are comments.
 pub fn rows<const N: usize>(table: &str) -> Vec<[String; N]> {
     let (mut found, mut row) = (Vec::new(), String::new());

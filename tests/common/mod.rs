@@ -42,7 +42,7 @@ pub fn root() -> &'static std::path::Path {
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+    Scene::parse("block.toml", scenes::BLOCK, &overrides).unwrap()
 }
 
 /// Multiplies the stiffness.

@@ -4,6 +4,10 @@ use stickslip::body::Model;
 use stickslip::run::discretise;
 use stickslip::scene::Scene;
 
+pub const BLOCK: &str = include_str!("../../data/scenes/block.toml");
+pub const CUBE: &str = include_str!("../../data/scenes/cube.toml");
+pub const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
+
 /// The text of a scene from rows: the keys of a table stand behind its header, `[time] end = 1, increments = 4`, and may go on in
 /// the next row. In the text each has a line of its own. Rows with a comment are lines already.
 pub fn scene_text(rows: &str) -> String {

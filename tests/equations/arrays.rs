@@ -1,12 +1,8 @@
 //! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
 
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::algebra::MatrixError;
-use stickslip::solver::statuses;
-use stickslip::solver::{
-    FrictionHistory, GapCorrection, Increment, LinearSystem, critical_friction, rigid_equilibrium,
-};
+use stickslip::solver::{FrictionHistory, GapCorrection, LinearSystem, rigid_equilibrium};
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {

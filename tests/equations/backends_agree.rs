@@ -1,9 +1,6 @@
 //! Whole histories, condensed and not: the same statuses, the same counts, the same states.
 
-use crate::common;
 use crate::common::prelude::*;
-
-const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
 struct History {
     name: String,

@@ -1,6 +1,5 @@
 //! BN and the interior point methods find the same states: independent algorithms on the same law.
 
-use crate::common;
 use crate::common::prelude::*;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
@@ -13,7 +12,7 @@ fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
 
 fn punch(increments: usize) -> (Model, Vec<f64>) {
     let overrides = [format!("time.increments={increments}").parse().unwrap()];
-    let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
+    let scene = Scene::parse("punch.toml", PUNCH, &overrides).unwrap();
     (discretise(&scene).unwrap(), scene.time.all())
 }
 

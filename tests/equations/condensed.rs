@@ -4,7 +4,6 @@
 use crate::common::prelude::*;
 use stickslip::solver::Condensation;
 
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
@@ -117,7 +116,7 @@ fn slender_bodies_are_refined() {
 /// own.
 #[test]
 fn a_condensation_is_used_again() {
-    let cube = include_str!("../../data/scenes/cube.toml");
+    let cube = CUBE;
     let bodies = [
         model_with(BLOCK, &["mesh.elements=[12,10]"]),
         model_with(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),

@@ -1,12 +1,7 @@
 //! Coulomb's disk: friction in two tangential directions.
 
-#![allow(clippy::print_stdout)]
-
 use crate::common::prelude::*;
-use crate::common::random::{self, Random};
-use std::ops::Range;
-use stickslip::solver::Increment;
-use stickslip::solver::statuses;
+use crate::common::random;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 

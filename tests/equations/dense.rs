@@ -6,8 +6,6 @@ use stickslip::algebra::linear::{Dense, backward_error};
 use stickslip::solver::formulation::Constrained;
 use stickslip::solver::{NormalCase, TangentialCase};
 
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-
 /// A matrix with these entries, the first `displacements` rows and columns of which are stored as a dense block.
 fn matrix(n: usize, displacements: usize, entries: &[(usize, usize, f64)]) -> SystemMatrix {
     let mut values = vec![0.0; displacements * displacements];

@@ -8,8 +8,6 @@ use stickslip::algebra::linear::{Distributed, Stiffness};
 use stickslip::solver::ProblemError;
 use stickslip::solver::history::{Error as HistoryError, HistoryMethod};
 
-use crate::common;
-
 /// A stiffness of which this process has the whole. It answers as often as `answers` says.
 #[derive(Debug)]
 struct Elsewhere {

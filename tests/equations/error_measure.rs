@@ -1,9 +1,8 @@
 //! The error measure: small on every solution of the block, and the truth about wrong states.
 
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::solver::ContactStatus::{Open, Slip, Stick};
-use stickslip::solver::{Increment, ProblemError};
+use stickslip::solver::ProblemError;
 
 /// Every component at most 1e-10 in every increment.
 #[test]

@@ -2,12 +2,8 @@
 //! where it ends.
 
 use crate::common::prelude::*;
-use crate::common::random::Random;
 use stickslip::solver::NodeStatus;
 use stickslip::solver::history::HistoryMethod;
-
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
 fn block(n: usize, mu: f64) -> Model {
     model_with(BLOCK, &[&format!("mesh.elements=[{n},{n}]"), &format!("contact.friction={mu}")])
@@ -361,7 +357,7 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
 /// What the path does not know it does not try.
 #[test]
 fn nodes_that_slide_in_a_plane_are_refused() {
-    let cube = include_str!("../../data/scenes/cube.toml");
+    let cube = CUBE;
     let model = model_with(cube, &["mesh.elements=[2,2,2]"]);
     assert_eq!(exact(&model, &[1.0], LinearAlgebra::default()).status, Status::Unsupported);
 }

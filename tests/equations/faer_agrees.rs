@@ -2,7 +2,6 @@
 
 #![cfg(all(feature = "umfpack", feature = "faer"))]
 
-use crate::common;
 use crate::common::prelude::*;
 
 type Settings = fn(&Model) -> HistorySettings;
@@ -56,6 +55,6 @@ fn on_the_block() {
 #[test]
 fn on_the_punch() {
     let overrides = ["time.increments=5".parse().unwrap()];
-    let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
+    let scene = Scene::parse("punch.toml", PUNCH, &overrides).unwrap();
     assert_agree(&scene, "punch");
 }

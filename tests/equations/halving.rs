@@ -1,10 +1,8 @@
 //! An increment that fails is halved: what the failed tries did must leave no trace.
 
-use crate::common;
-use crate::common::around::around;
 use crate::common::prelude::*;
 use stickslip::solver::MethodResult;
-use stickslip::solver::history::{Algorithm, IncrementRecord};
+use stickslip::solver::history::IncrementRecord;
 
 /// BN that gives up after so many iterations, without help from the interior point method.
 fn hasty(model: &Model, iterations: usize, times: &[f64], keep: &mut Keep) -> HistoryOutcome {

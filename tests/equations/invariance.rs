@@ -1,9 +1,7 @@
 //! The verdict does not depend on the scaling of single rows and columns, on loads elsewhere, on parts that nothing
 //! connects, on earlier increments, or on units. A state that breaks a law is not accepted under any of them.
 
-use crate::common;
 use crate::common::prelude::*;
-use stickslip::solver::Increment;
 use stickslip::solver::history::{ExactPathSettings, follow_exact_path};
 
 const FACTORS: [f64; 6] = [1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12];

@@ -1,12 +1,7 @@
 //! The interior point method with the exact cone, for friction in two tangential directions.
 
-#![allow(clippy::print_stdout)]
-
-use crate::common;
 use crate::common::prelude::*;
-use crate::common::random::{self, Random};
-use std::ops::Range;
-use stickslip::solver::Increment;
+use crate::common::random;
 use stickslip::solver::formulation::ConeSystem;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
@@ -248,7 +243,7 @@ fn the_paper_knows_one_tangent() {
 }
 
 fn punch(overrides: &[&str]) -> Scene {
-    parsed_with(include_str!("../../data/scenes/punch.toml"), overrides)
+    parsed_with(PUNCH, overrides)
 }
 
 /// A problem in two dimensions with a third displacement at every contact node, along its second tangent,

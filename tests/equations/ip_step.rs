@@ -1,10 +1,8 @@
 //! The parts of Algorithm IP, each against its definition: the direction of (14), the step to the border,
 //! the potential (13), both partitions.
 
-use crate::common;
 use crate::common::prelude::*;
 use crate::common::random;
-use stickslip::solver::Increment;
 use stickslip::solver::formulation::Constrained;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.

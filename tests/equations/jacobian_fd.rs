@@ -1,8 +1,6 @@
 //! The Jacobian (21) against finite differences of the residual (19), in every contact case.
 
-use crate::common;
 use crate::common::prelude::*;
-use stickslip::solver::Increment;
 
 /// Contact cases by their choice of (p_n, gap left, p_t, slip) in units of force and length. Every
 /// choice stays clear of the borders between cases, so that a small step does not change them.

@@ -1,8 +1,7 @@
 //! Where an equation is: the table of doc/method/architecture.md against the numbers in the code's own comments.
 
+use crate::common::prelude::*;
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
 
 /// What the paper's two algorithms are made of: from the README it takes two files to get to any of them.
 const WANTED: [u32; 14] = [11, 12, 19, 20, 21, 22, 25, 26, 27, 28, 29, 30, 31, 36];

@@ -1,6 +1,5 @@
 //! What a scene does not need is not there, and its absence changes no result.
 
-use crate::common;
 use crate::common::prelude::*;
 
 fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
@@ -52,7 +51,7 @@ fn factors_of_a_proportional_history() {
 /// Without contact an increment is a substitution with the Cholesky factor of `K`.
 #[test]
 fn contact() {
-    let text = include_str!("../../data/scenes/cube.toml");
+    let text = CUBE;
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
     let scene = parsed_with(&text, &["mesh.elements=[5,5,5]"]);

@@ -1,10 +1,7 @@
 //! A method of one's own in the history loop, whole and condensed.
 
-use crate::common;
-use crate::common::around::around;
 use crate::common::prelude::*;
 use std::sync::Mutex;
-use stickslip::solver::history::Algorithm;
 
 /// BN, and a diary of the displacements that each increment has.
 struct Diary {

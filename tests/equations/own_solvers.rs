@@ -1,10 +1,8 @@
 //! Linear solvers of one's own: what is concluded from a matrix does not depend on what its solver says of its pivots, and what is
 //! solved badly is no result.
 
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::solver::history::{Error, ExactPathSettings};
-use stickslip::solver::{CriticalFriction, Increment, critical_friction};
 
 /// The sparse LU of this build behind a mask.
 struct Masked {

@@ -5,7 +5,6 @@
 use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::common;
 use stickslip::algebra::linear::Partial;
 
 const PARTIAL: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Partial);
@@ -178,7 +177,7 @@ fn the_stiffness_is_factored_once() {
 /// Failures have the verdicts of a factorisation in each iteration.
 #[test]
 fn verdicts_agree() {
-    let block = include_str!("../../data/scenes/block.toml");
+    let block = BLOCK;
     let coarse = || ["mesh.elements=[4,4]", "time.increments=2"].map(|text| text.parse().unwrap());
     let [contact, load] = ["[[contact]]", "[[load]]"].map(|table| block.find(table).unwrap());
     let without_contact = [&block[..contact], &block[load..]].concat();

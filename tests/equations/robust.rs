@@ -1,9 +1,7 @@
 //! The default settings of BN and IP on scenes far from the paper's: they converge wherever there is an
 //! equilibrium, and say so where there is none.
 
-use crate::common;
 use crate::common::prelude::*;
-use crate::common::random::Random;
 use stickslip::solver::formulation::{Layout, SlackLayout};
 
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
@@ -55,7 +53,7 @@ fn block(text: &str, n: usize, overrides: &[&str]) -> (Model, Vec<f64>) {
 }
 
 fn base() -> &'static str {
-    include_str!("../../data/scenes/block.toml")
+    BLOCK
 }
 
 #[test]

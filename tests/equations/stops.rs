@@ -1,10 +1,9 @@
 //! Histories that end early: by request, or because the linear solver fails. The increments before stay.
 
-use crate::common::around::around;
 use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use stickslip::solver::IterationRecord;
-use stickslip::solver::history::{Algorithm, Error};
+use stickslip::solver::history::Error;
 
 /// An observer that stops the history after an increment, or in one.
 struct Watched {
@@ -32,8 +31,7 @@ impl Observer for Watched {
 }
 
 fn block() -> (Scene, Model) {
-    let scene =
-        parsed_with(include_str!("../../data/scenes/block.toml"), &["mesh.elements=[8,8]", "solver.setting='default'"]);
+    let scene = parsed_with(BLOCK, &["mesh.elements=[8,8]", "solver.setting='default'"]);
     let model = discretise(&scene).unwrap();
     (scene, model)
 }

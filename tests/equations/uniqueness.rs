@@ -1,13 +1,11 @@
 //! Uniqueness: the critical friction against closed forms and dense algebra, and what happens
 //! below and above it to the one node of Klarbring (1990), worked out by hand.
 
-use crate::common;
 use crate::common::prelude::*;
 use faer::Mat;
 use faer::prelude::Solve;
 use stickslip::solver::formulation::Pressure;
-use stickslip::solver::statuses;
-use stickslip::solver::{Armijo, Bn, CriticalFriction, Increment, StopCriterion, critical_friction};
+use stickslip::solver::{Armijo, Bn, StopCriterion};
 
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {

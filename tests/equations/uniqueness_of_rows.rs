@@ -2,7 +2,6 @@
 
 use crate::common::prelude::*;
 use crate::uniqueness::{posed, posed_critical};
-use stickslip::solver::{Increment, critical_friction};
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.

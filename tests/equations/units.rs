@@ -2,7 +2,6 @@
 
 use crate::common::prelude::*;
 use proptest::prelude::*;
-use stickslip::scene::Override;
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]
@@ -47,7 +46,7 @@ fn scene(problem: Problem, Units { stress, length }: Units) -> Scene {
                 parse(format!("load[0].traction=[0,{traction:e}]")),
                 parse(format!("load[1].traction=[{traction:e},0]")),
             ];
-            let text = include_str!("../../data/scenes/block.toml");
+            let text = BLOCK;
             Scene::parse("block.toml", text, &[&common[..], &overrides].concat()).unwrap()
         }
         Problem::Punch { increments } => {
@@ -58,7 +57,7 @@ fn scene(problem: Problem, Units { stress, length }: Units) -> Scene {
                 parse(format!("contact.obstacle.apex=[0,{side:e}]")),
                 parse(format!("contact.obstacle.approach=[[0,0],[1,{:e}]]", 1e-4 / length)),
             ];
-            let text = include_str!("../../data/scenes/punch.toml");
+            let text = PUNCH;
             Scene::parse("punch.toml", text, &[&common[..], &overrides].concat()).unwrap()
         }
     }

@@ -1,6 +1,5 @@
 //! Verdicts where a careless one goes wrong.
 
-use crate::common;
 use crate::common::prelude::*;
 use stickslip::solver::rigid_equilibrium;
 

@@ -1,8 +1,6 @@
 //! Condensed equations that do not hold all contact nodes: the answer is that of all of them, whichever they begin with.
 
-use crate::common;
 use crate::common::prelude::*;
-use crate::common::random::Random;
 use stickslip::solver::history::WorkingSet;
 use stickslip::solver::working_set;
 

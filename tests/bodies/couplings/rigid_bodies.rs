@@ -4,7 +4,6 @@ use crate::common::prelude::*;
 use stickslip::run::report::PointRecord;
 
 use super::{PUNCH, bn, near, point, report};
-use crate::common::random::Random;
 
 /// Every method and every linear algebra has one answer for a rigid punch under a force, and the punch moved as the
 /// force moved it has this force.

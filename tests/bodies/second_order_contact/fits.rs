@@ -2,7 +2,6 @@
 
 use super::{Lines, solve};
 use crate::common::prelude::*;
-use crate::common::rings::ring;
 
 #[derive(Debug, Clone, Copy)]
 enum Cells {

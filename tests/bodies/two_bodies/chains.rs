@@ -1,6 +1,5 @@
 //! Bodies in front of several others.
 
-use crate::common::pairs::{solved, solver};
 use crate::common::prelude::*;
 
 fn condensed() -> LinearAlgebra {

@@ -1,6 +1,6 @@
 //! A stiff body that only contact with a soft one holds.
 
-use crate::common::pairs::{Side, bodies, pushed};
+use crate::common::pairs::pushed;
 use crate::common::prelude::*;
 
 /// The block above is so many times as stiff as the one below.

@@ -1,11 +1,8 @@
 //! Gaps between the curved surfaces that facets approximate.
 
 use super::whole;
-use crate::common::pairs::solved;
 use crate::common::prelude::*;
-use crate::common::round::moved;
 use std::collections::BTreeSet;
-use std::f64::consts::FRAC_PI_2;
 use stickslip::body::Against;
 
 const RADII: [f64; 3] = [0.05, 0.1, 0.2];

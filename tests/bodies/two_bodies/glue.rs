@@ -1,10 +1,7 @@
 //! Meshes that do not match, glued.
 
 use super::patch::mesh;
-use crate::common::pairs::bodies;
 use crate::common::prelude::*;
-
-use stickslip::body::Coupling;
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
     let model = Model::build(description).unwrap();

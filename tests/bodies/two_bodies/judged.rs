@@ -1,7 +1,7 @@
 //! Two blocks that are pressed and pushed to and fro, judged by displacements and contact forces alone: element forces, gaps and slip are computed
 //! here, with linear triangles and weights on the facets of the slave that are written for this test.
 
-use crate::common::pairs::{Side, bodies, pushed, solved, solver};
+use crate::common::pairs::pushed;
 use crate::common::prelude::*;
 
 const YOUNG: [f64; 2] = [210e9, 70e9];

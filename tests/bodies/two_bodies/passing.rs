@@ -2,7 +2,6 @@
 
 use super::whole;
 use crate::common::prelude::*;
-use crate::common::round::moved;
 
 fn run(body: &Description) -> RunReport {
     whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()))

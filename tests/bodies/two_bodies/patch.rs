@@ -1,6 +1,6 @@
 //! A uniform pressure goes through any meshes as it is.
 
-use crate::common::pairs::{Side, bodies, paired, solved, solver};
+use crate::common::pairs::paired;
 use crate::common::prelude::*;
 use stickslip::run::report::ContactPoint;
 

@@ -1,9 +1,7 @@
 //! Random bodies on each other, judged on the stiffness of the bodies by themselves.
 
-use crate::common::pairs::{Side, bodies, paired};
+use crate::common::pairs::paired;
 use crate::common::prelude::*;
-use crate::common::random::Random;
-use stickslip::body::constraints::facet_load;
 
 /// Two blocks with a random gap or interference, pressed and pushed to and fro.
 fn scene(random: &mut Random) -> Description {

@@ -1,9 +1,8 @@
 //! A steel roller on an aluminium block (NAFEMS, Konter 2006, benchmark 1): R = 50 mm, 200 mm × 200 mm, 35 kN/mm; by Hertz a = 6.21 mm and
 //! 3585.37 MPa.
 
-use crate::common::pairs::{Side, bodies, solved};
 use crate::common::prelude::*;
-use crate::common::round::{Round, lines};
+use crate::common::round::lines;
 
 const RADIUS: f64 = 0.05;
 const FORCE: f64 = 35e6;

@@ -1,7 +1,6 @@
 //! Contact where the contact rows of nodes depend on each other or nearly do, and rings that contact alone holds.
 
 use crate::common::prelude::*;
-use crate::common::round::moved;
 use std::f64::consts::TAU;
 
 /// Both methods with every linear solver of this build: the largest number of iterations, and `see` of the last state.

@@ -1,10 +1,6 @@
 //! A ring shrunk on another (Lamé).
 
-use crate::common::convergence::order;
-use crate::common::pairs::solved;
 use crate::common::prelude::*;
-use crate::common::round::moved;
-use std::f64::consts::FRAC_PI_2;
 
 const RADII: [f64; 3] = [0.05, 0.1, 0.2];
 const YOUNG: [f64; 2] = [70e9, 210e9];

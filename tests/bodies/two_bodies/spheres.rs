@@ -1,10 +1,7 @@
 //! Hertz: two elastic spheres, by their section and a quarter of them in space.
 
-use crate::common::convergence::{distance, order};
-use crate::common::hertz::Hertz;
-use crate::common::pairs::{Side, bodies, solved};
+use crate::common::convergence::distance;
 use crate::common::prelude::*;
-use crate::common::round::Round;
 
 const RADII: [f64; 2] = [1.0, 0.5];
 const YOUNG: [f64; 2] = [210e9, 70e9];

@@ -1,6 +1,6 @@
 //! A block on another with friction, pressed, pushed and pushed back.
 
-use crate::common::pairs::{Side, bodies, pushed, solved, solver, stack};
+use crate::common::pairs::{pushed, stack};
 use crate::common::prelude::*;
 
 fn condensed() -> LinearAlgebra {

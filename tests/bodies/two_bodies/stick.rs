@@ -1,10 +1,7 @@
 //! Cattaneo and Mindlin: cylinders of the same material, pressed together and then sheared.
 
-use crate::common::convergence::{distance, order};
-use crate::common::hertz::Hertz;
-use crate::common::pairs::{Side, bodies, solved};
+use crate::common::convergence::distance;
 use crate::common::prelude::*;
-use crate::common::round::Round;
 
 const YOUNG: f64 = 210e9;
 const MU: f64 = 0.3;

@@ -2,7 +2,6 @@
 
 use super::whole;
 use crate::common::prelude::*;
-use crate::common::round::moved;
 
 const MU: f64 = 0.1;
 

@@ -1,6 +1,5 @@
 //! The same bodies in other numbers.
 
-use crate::common::pairs::{Side, solver};
 use crate::common::prelude::*;
 
 /// The stack of `common::pairs` with lengths and stresses in units of which so many make a metre and a pascal.
