@@ -130,10 +130,8 @@ fn without_contact_any_choice_solves() {
 }
 
 fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
-    let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
+    let settings = settings_of(model, Method::BN).until(100, 1e-10);
+    let (outcome, keep) = kept(model, &scene.time.all(), &settings, backend);
     (outcome, keep.states)
 }
 
@@ -145,13 +143,10 @@ fn both_ways_have_the_same_result() {
     {
         let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
         assert_eq!(cheapest(&scene, &model, None).linear.condenses(), expected);
-        let [(whole, whole_states), (condensed, condensed_states)] =
-            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&scene, &model, backend));
+        let [(whole, whole_states), (condensed, condensed_states)] = both().map(|backend| run(&scene, &model, backend));
         assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
         for (a, b) in whole_states.iter().zip(&condensed_states) {
-            let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
-            let worst = a.p_n.iter().zip(&b.p_n).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-            assert!(worst <= 1e-9 * largest, "{overrides:?}: {worst:e} against {largest:e}");
+            assert!(apart(&b.p_n, &a.p_n) <= 1e-9, "{overrides:?}: {:e}", apart(&b.p_n, &a.p_n));
         }
     }
 }

@@ -28,11 +28,8 @@ pub struct Solved {
 
 /// Solves, and asks that forces along the axis balance.
 pub fn solved(description: &Description) -> Solved {
-    let model = Model::build(description).unwrap();
     let mut recording = Recording::last();
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
-    let report = run.solve(&mut recording).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let (model, report) = solved_by_bn(description, &mut recording);
     for record in &report.reactions {
         let equilibrium = report.increments[record.index - 1].kkt.equilibrium;
         assert!(record.balance < 1e-12_f64.max(10.0 * equilibrium), "{equilibrium:e} {record:?}");

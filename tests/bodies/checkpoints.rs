@@ -121,11 +121,11 @@ fn working_sets_that_grow_go_on() {
         [time]\nend = 3\nincrements = 9\n";
     let scene = scene(text, &[]);
     let (model, times) = (discretise(&scene).unwrap(), scene.time.all());
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     let settings = HistorySettings { working_set: Some(vec![20]), ..settings };
     let run = |settings: &HistorySettings, all: &mut All| {
         let system = SystemSolver::from(LinearAlgebra::condensed());
-        history::run(&model.problem, &model.loading, &times, settings, system, all).unwrap()
+        history_of(&model, &times, settings, system, all)
     };
     let mut all = All::default();
     let whole = run(&settings, &mut all);
@@ -185,9 +185,9 @@ fn a_history_goes_on_beyond_its_first_end() {
     let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
     let model = discretise(&block).unwrap();
     let times = block.time.all();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     let run = |times: &[f64], settings: &HistorySettings, all: &mut All| {
-        history::run(&model.problem, &model.loading, times, settings, SystemSolver::default(), all).unwrap()
+        history_of(&model, times, settings, SystemSolver::default(), all)
     };
     let whole = run(&times, &settings, &mut All::default());
     let mut half = All::default();

@@ -16,7 +16,7 @@ fn nearest(shape: Shape, normal: &[f64]) -> Obstacle {
 fn rounded(dimension: usize, elements: usize) -> Mesh {
     let mut mesh = if dimension == 2 { block(&[1.0; 2], &[elements; 2]) } else { block(&[1.0; 3], &[elements; 3]) };
     for x in &mut mesh.nodes {
-        let (largest, length) = (x.iter().fold(0.0_f64, |m, c| m.max(*c)), norm(*x));
+        let (largest, length) = (largest(x), norm(*x));
         if length > 0.0 {
             *x = x.map(|c| c * largest / length);
         }
@@ -28,7 +28,7 @@ fn rounded(dimension: usize, elements: usize) -> Mesh {
 fn solved(description: &Description) -> (Model, State) {
     let model = Model::build(description).unwrap();
     let mut keep = Keep::default();
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), bn()).unwrap();
     assert_eq!(run.history(&mut keep).unwrap().status, Status::Converged);
     (model, keep.states.pop().unwrap())
 }

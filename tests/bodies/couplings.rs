@@ -58,14 +58,11 @@ units = { length = "mm", stress = "MPa" }
 });
 
 fn report(text: &str, solver: SolverChoice) -> RunReport {
-    let scene = parsed(text);
-    let model = discretise(&scene).unwrap();
-    solved(&model, solver)
+    solved(&model_of(text), solver)
 }
 
 fn solved(model: &Model, solver: SolverChoice) -> RunReport {
-    let report = Run::of(model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let report = converged(model, solver, &mut ());
     assert!(report.reactions.iter().all(|record| record.balance < 1e-9), "{:?}", report.reactions);
     report
 }
@@ -76,13 +73,7 @@ fn point<'a>(report: &'a RunReport, name: &str) -> &'a PointRecord {
 }
 
 fn near(found: &[f64], expected: &[f64], tolerance: f64) {
-    let size = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let apart = found.iter().zip(expected).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
-    assert!(found.len() == expected.len() && apart <= tolerance * size, "{found:?}, not {expected:?}");
-}
-
-fn bn() -> SolverChoice {
-    SolverChoice::new(Method::BN)
+    assert!(apart(found, expected) <= tolerance, "{found:?}, not {expected:?}");
 }
 
 /// In pure bending `θ = M L / E I` and `v = M L² / 2 E I`; SI, per m of depth.
@@ -153,7 +144,7 @@ fn forces_and_motions_belong_together() {
         let again = point(&moved, "end");
         near(&again.displacement, &end.displacement, 1e-12);
         near(&again.rotation, &end.rotation, 1e-12);
-        let moment = end.moment.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let moment = largest(&end.moment);
         for (again, force) in again.force.iter().zip(&end.force) {
             assert!((again - force).abs() <= 1e-8 * (force.abs() + moment / 0.01), "{again} {force}");
         }

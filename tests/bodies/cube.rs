@@ -4,17 +4,15 @@ use crate::common::prelude::*;
 
 /// BN on condensed matrices, which solves each increment as it stands.
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
-    let mut keep = Keep::default();
     let model = discretise(scene).unwrap();
     let settings = undivided(&model, scene, Method::BN);
-    let (times, linear) = (scene.time.all(), SystemSolver::from(LinearAlgebra::condensed()));
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
+    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
     assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
     (model, outcome, keep)
 }
 
 fn undivided(model: &Model, scene: &Scene, method: Method) -> HistorySettings {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+    let settings = settings_of(model, method);
     HistorySettings { halvings: 0, ..settings.until(100, scene.solver.tolerance) }
 }
 
@@ -72,7 +70,7 @@ fn cubes_by_the_interior_point_method() {
         let linear = SystemSolver::from(LinearAlgebra::condensed());
         let mut by_ip = Keep::default();
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
+        let outcome = history_of(&model, &times, &settings, linear, &mut by_ip);
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
         increments += outcome.records.len();
@@ -91,11 +89,11 @@ fn cubes_in_the_setting_of_the_paper() {
     for scene in cubes(4) {
         let (model, _, by_default) = solve(&scene);
         // It stops by its own test, with errors up to 1e-6.
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-6);
+        let settings = settings_of(&model, Method::PaperBn).until(200, 1e-6);
         let linear = SystemSolver::from(LinearAlgebra::condensed());
         let mut by_paper = Keep::default();
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_paper).unwrap();
+        let outcome = history_of(&model, &times, &settings, linear, &mut by_paper);
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
         increments += outcome.records.len();
@@ -190,13 +188,13 @@ fn a_slab_is_plane() {
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
     let (linear, mut thick_states) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
     let times = slab.time.all();
-    let thick = history::run(&space.problem, &space.loading, &times, &settings, linear, &mut thick_states).unwrap();
+    let thick = history_of(&space, &times, &settings, linear, &mut thick_states);
     assert_eq!(thick.status, Status::Converged);
     let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
     assert_eq!(counts(&flat), counts(&thick));
     assert_eq!(space.contacts.len(), 2 * plane.contacts.len());
     for (flat, thick) in flat_states.states.iter().zip(&thick_states.states) {
-        let largest = flat.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        let largest = largest(&flat.p_n);
         let u = plane.dofs.displacements(&flat.u);
         let longest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
         for (x, found) in space.mesh.nodes.iter().zip(space.dofs.displacements(&thick.u)) {

@@ -81,8 +81,7 @@ motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
 #[test]
 fn a_model_without_text_is_solved() {
     let model = Model::build(&paper_block()).unwrap();
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
-    let report = run.solve(&mut ()).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
     assert_eq!((report.status, report.increments.len()), (Status::Converged, 40));
 }
 

@@ -11,11 +11,7 @@ const RADIUS: f64 = 100.0;
 const REACH: f64 = 0.06;
 
 pub fn solved(description: &Description) -> RunReport {
-    let model = Model::build(description).unwrap();
-    let report =
-        Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
-    report
+    solved_by_bn(description, &mut ()).1
 }
 
 fn contact(report: &RunReport) -> &ContactEstimate {

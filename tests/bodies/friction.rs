@@ -68,7 +68,7 @@ fn friction_with_a_history() {
         (Method::BN, LinearAlgebra::condensed()),
         (Method::Ip, LinearAlgebra::condensed()),
     ] {
-        let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
+        let solver = solver_of(method, linear);
         let mut recording = Recording::all();
         let run = Run::of(&model, model.times().to_vec(), solver).unwrap();
         assert_eq!(run.history(&mut recording).unwrap().status, Status::Converged, "{method:?}");
@@ -89,7 +89,7 @@ fn friction_with_a_history() {
         pushed.loads[1].history = Some(vec![[0.0, 0.0], [1.0, 0.5], [2.0, 0.5]]);
         pushed.contacts[0].friction_history = Some(vec![[1.0, 1.0], [2.0, last]]);
         let model = Model::build(&pushed).unwrap();
-        let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
+        let run = Run::of(&model, model.times().to_vec(), bn()).unwrap();
         let outcome = run.history(&mut ()).unwrap();
         (outcome.status, outcome.records.len())
     };

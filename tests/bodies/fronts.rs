@@ -14,7 +14,7 @@ fn belt(obstacle: &str) -> (Model, Vec<State>) {
 
 pub fn solved(description: &Description) -> (Model, Vec<State>) {
     let (model, mut keep) = (Model::build(description).unwrap(), Keep::default());
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), bn()).unwrap();
     assert_eq!(run.history(&mut keep).unwrap().status, Status::Converged);
     (model, keep.states)
 }
@@ -257,7 +257,7 @@ fn a_ring_on_a_shaft_in_parts() {
         .iter()
         .map(|contact| model.contacts.iter().position(|other| other.node == contact.node).unwrap())
         .collect();
-    let largest = once[0].p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let largest = largest(&once[0].p_n);
     assert!(largest > 0.0);
     // All the way round the tangent is the normal turned by +90°, and the tangential forces make up the moment of the shaft.
     for contact in whole.contacts.iter().chain(&model.contacts) {

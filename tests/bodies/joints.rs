@@ -67,18 +67,12 @@ static STRIP: LazyLock<String> = LazyLock::new(|| {
     )
 });
 
-fn bn() -> SolverChoice {
-    SolverChoice::new(Method::BN)
-}
-
 fn report(text: &str, solver: SolverChoice) -> RunReport {
-    let model = discretise(&parsed(text)).unwrap_or_else(|error| panic!("{error}\n{text}"));
-    solved(&model, solver)
+    solved(&model_of(text), solver)
 }
 
 fn solved(model: &Model, solver: SolverChoice) -> RunReport {
-    let report = Run::of(model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let report = converged(model, solver, &mut ());
     assert!(report.reactions.iter().all(|record| record.balance < 1e-9), "{:?}", report.reactions);
     report
 }

@@ -17,7 +17,7 @@ fn drawn(drawn: f64, friction: f64) -> RunReport {
         [Obstacle::plane(0.0)],
     );
     let model = Model::build(&body).unwrap();
-    let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), bn()).unwrap();
     let report = report.solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged);
     report

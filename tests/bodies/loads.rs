@@ -13,11 +13,8 @@ struct Solved {
 
 /// Solves, and asks of every increment that it converges and that its forces balance.
 fn solved(description: &Description) -> Solved {
-    let model = Model::build(description).unwrap();
     let mut recording = Recording::all();
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
-    let report = run.solve(&mut recording).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let (model, report) = solved_by_bn(description, &mut recording);
     for record in &report.reactions {
         let solved = report.increments[record.index - 1].kkt.equilibrium;
         assert!(record.balance < 1e-12_f64.max(10.0 * solved), "{solved:e} {record:?}");

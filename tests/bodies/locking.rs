@@ -34,7 +34,7 @@ fn patch_test_of_b_bar() {
             let load = facet_load(&mesh, &dofs, mesh.boundary(side).unwrap(), traction);
             force.iter_mut().zip(load).for_each(|(sum, f)| *sum -= f);
         }
-        let worst = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let worst = largest(&force);
         assert!(worst < 1e-14 * (material.lambda + material.mu), "{worst:e} at nu = {poisson}");
     }
 }

@@ -5,20 +5,8 @@ use crate::common::prelude::*;
 fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let scene = parsed(text);
     let model = discretise(&scene).unwrap();
-    let mut keep = Keep::default();
-    let settings = stickslip::solver::history::HistorySettings::new(&model.problem, &model.loading, Method::BN)
-        .unwrap()
-        .until(200, 1e-10);
-    let linear = SystemSolver::from(LinearAlgebra::default());
-    let outcome = stickslip::solver::history::run(
-        &model.problem,
-        &model.loading,
-        &scene.time.all(),
-        &settings,
-        linear,
-        &mut keep,
-    )
-    .unwrap();
+    let settings = settings_of(&model, Method::BN).until(200, 1e-10);
+    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::default());
     assert_eq!(outcome.status, Status::Converged);
     let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();
     (model, sums)

@@ -57,7 +57,7 @@ fn patch_test() {
                 let load = traction(&mesh, boundary, |_, area| stress.map(|row| dot(row, area)));
                 force.iter_mut().zip(dofs.forces(load)).for_each(|(sum, f)| *sum -= f);
             }
-            let worst = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+            let worst = largest(&force);
             let kind = mesh.cells[0].kind;
             assert!(worst < 2e-14 * (law.lambda.abs() + law.mu), "{worst:e} of {kind:?} at nu = {poisson}");
         }

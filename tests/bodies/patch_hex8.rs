@@ -77,7 +77,7 @@ fn patch_test() {
                 let load = facet_load(&mesh, &dofs, boundary, traction);
                 force.iter_mut().zip(load).for_each(|(sum, f)| *sum -= f);
             }
-            let worst = force.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+            let worst = largest(&force);
             assert!(worst < 1e-14 * (material.lambda + 1.0), "{worst:e} for {kind:?} {element:?} {poisson}");
         }
     }

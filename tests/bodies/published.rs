@@ -9,9 +9,8 @@ const NU: f64 = 0.3;
 fn solve(description: &Description) -> (Model, Vec<RecordedIncrement>) {
     let model = Model::build(description).unwrap();
     let mut recording = Recording::all();
-    let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::new(Method::BN) };
-    let report = Run::of(&model, model.times().to_vec(), solver).unwrap().solve(&mut recording).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let solver = solver_of(Method::BN, LinearAlgebra::condensed());
+    let report = converged(&model, solver, &mut recording);
     (model, recording.increments)
 }
 
@@ -102,10 +101,8 @@ fn receding_contact() {
     assert_eq!(once.statuses, often.statuses);
     let open = once.statuses.iter().filter(|status| **status == ContactStatus::Open).count();
     assert!(open > 10 && open < once.statuses.len() - 5, "{open} of {}", once.statuses.len());
-    let largest = once.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
-    for (p, thousand) in once.state.p_n.iter().zip(&often.state.p_n) {
-        assert!((1000.0 * p - thousand).abs() < 1e-9 * 1000.0 * largest, "{p} {thousand}");
-    }
+    let times: Vec<f64> = often.state.p_n.iter().map(|p| 1e-3 * p).collect();
+    assert!(apart(&times, &once.state.p_n) < 1e-9, "{times:?} {:?}", once.state.p_n);
 }
 
 /// Pressed by a growing load, the middle of a contact with friction sticks up to the same share of the whole, under every load

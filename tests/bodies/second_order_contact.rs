@@ -139,7 +139,7 @@ fn bodies_that_only_contact_holds() {
         scene.description.supports.clear();
         scene.description.material.poisson = 0.0;
         let model = Model::build(&scene.description).unwrap();
-        let states = [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| {
+        let states = both().map(|linear| {
             let mut keep = Keep::default();
             solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut keep);
             keep.states
@@ -178,7 +178,7 @@ fn a_block_in_a_corner() {
         );
         let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let state =
                 solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut ()).state;
             for (contact, p) in model.contacts.iter().zip(&state.p_n) {

@@ -11,7 +11,7 @@ fn model() -> (Model, Vec<f64>) {
 
 fn history(model: &Model, times: &[f64], settings: &HistorySettings, linear: LinearAlgebra) -> Recording {
     let mut all = Recording::all();
-    let outcome = history::run(&model.problem, &model.loading, times, settings, linear.into(), &mut all).unwrap();
+    let outcome = history_of(model, times, settings, linear, &mut all);
     assert_eq!(outcome.status, Status::Converged);
     all
 }
@@ -42,7 +42,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 fn under_the_loads_of_the_history_single_increments_are_those_of_the_history_to_the_last_bit() {
     let (model, times) = model();
     for method in [Method::BN, Method::PaperBn, Method::Ip] {
-        let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+        let settings = settings_of(&model, method);
         for linear in built_in() {
             let whole = history(&model, &times, &settings, linear);
             let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
@@ -65,7 +65,7 @@ fn under_the_loads_of_the_history_single_increments_are_those_of_the_history_to_
 #[test]
 fn an_increment_needs_the_loads_of_its_two_ends_only() {
     let (model, times) = model();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     for linear in built_in() {
         let whole = history(&model, &times, &settings, linear);
         let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
@@ -84,8 +84,7 @@ fn an_increment_needs_the_loads_of_its_two_ends_only() {
 fn a_step_costs_what_an_increment_of_a_history_costs() {
     let (model, times) = model();
     // Each increment as it stands.
-    let settings =
-        HistorySettings { halvings: 0, ..HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap() };
+    let settings = HistorySettings { halvings: 0, ..settings_of(&model, Method::BN) };
     for linear in built_in() {
         let (problem, loading) = (&model.problem, &model.loading);
         let whole = history::run(problem, loading, &times, &settings, linear.into(), &mut ()).unwrap().linear;
@@ -111,7 +110,7 @@ fn a_step_costs_what_an_increment_of_a_history_costs() {
 #[test]
 fn the_pattern_is_analysed_once() {
     let (model, times) = model();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     let mut stepper = Stepper::new(&model.problem, settings, LinearAlgebra::default().into()).unwrap();
     let outcomes: Vec<_> = times.iter().map(|t| stepper.step(&model.loading, *t, &mut ()).unwrap()).collect();
     assert_eq!(outcomes.last().map(|outcome| outcome.linear.analyses), Some(1));
@@ -120,7 +119,7 @@ fn the_pattern_is_analysed_once() {
 #[test]
 fn an_increment_that_failed_is_tried_again_from_where_the_last_one_ended() {
     let (model, times) = model();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     let short = HistorySettings { halvings: 0, ..settings.clone() };
     for linear in built_in() {
         let expected = history(&model, &times[..2], &short, linear);
@@ -146,7 +145,7 @@ fn an_increment_that_failed_is_tried_again_from_where_the_last_one_ended() {
 fn increments_that_were_taken_back_leave_nothing_behind() {
     let (model, times) = model();
     for method in [Method::BN, Method::PaperBn, Method::Ip] {
-        let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+        let settings = settings_of(&model, method);
         for linear in built_in() {
             let whole = history(&model, &times, &settings, linear);
             let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();

@@ -13,11 +13,8 @@ struct Solved {
 }
 
 fn solved(body: &Description) -> Solved {
-    let model = Model::build(body).unwrap();
     let mut recording = Recording::last();
-    let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
-    let report = run.solve(&mut recording).unwrap();
-    assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    let (model, _) = solved_by_bn(body, &mut recording);
     let state = &recording.increments[0].state;
     let end = *model.times().last().unwrap();
     let nodal = model.nodal_stresses_at(end, &model.displacements(end, &state.u).unwrap()).unwrap();

@@ -219,7 +219,7 @@ fn a_plane_body_has_a_thickness() {
         };
         let solved = |scene: &Scene| {
             let model = discretise(scene).unwrap();
-            let report = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut ());
+            let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ());
             let report = report.unwrap();
             assert_eq!(report.status, Status::Converged);
             (report.to_value().unwrap(), report)

@@ -27,8 +27,7 @@ fn roller(x: f64) -> Obstacle {
 /// The model and all its converged states, and the report.
 fn recorded(description: &Description) -> (Model, Vec<State>, RunReport) {
     let (model, mut recording) = (Model::build(description).unwrap(), Recording::all());
-    let report =
-        Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap().solve(&mut recording).unwrap();
+    let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut recording).unwrap();
     let states = recording.increments.into_iter().map(|increment| increment.state).collect();
     (model, states, report)
 }

@@ -68,9 +68,9 @@ fn indenting_wedge(elements: usize) -> [f64; 2] {
     let mesh = [("contact_elements", elements), ("outer_elements", elements), ("layers", 4 + elements / 2)];
     let mesh = mesh.map(|(key, value)| format!("mesh.{key}={value}").parse().unwrap());
     let model = discretise(&Scene::parse("wedge.toml", &text, &mesh).unwrap()).unwrap();
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
+    let settings = settings_of(&model, Method::BN).until(100, 1e-10);
     let linear = SystemSolver::from(LinearAlgebra::condensed());
-    let outcome = history::run(&model.problem, &model.loading, &[1.0], &settings, linear, &mut ()).unwrap();
+    let outcome = history_of(&model, &[1.0], &settings, linear, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;
     let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * contact.position[0].powi(2)).sum();

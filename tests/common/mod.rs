@@ -11,6 +11,7 @@ pub mod prelude;
 pub mod random;
 pub mod rings;
 pub mod round;
+pub mod runs;
 pub mod scenes;
 pub mod scratch;
 pub mod vtu;

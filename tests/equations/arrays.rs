@@ -224,7 +224,7 @@ fn an_observer_sees_the_linear_systems() {
             self.systems += 1;
             let product = system.matrix.times(system.solution).unwrap();
             // Row by row against the sizes of its entries and of the solution.
-            let size = system.solution.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let size = largest(&system.solution);
             let mut sizes: Vec<f64> = system.rhs.iter().map(|b| b.abs()).collect();
             system.matrix.to_csc().unwrap().entries().for_each(|(i, _, a)| sizes[i] += a.abs() * size);
             let rows = product.iter().zip(system.rhs).zip(sizes);
@@ -254,7 +254,7 @@ fn a_load_below_all_that_is_normal() {
     let loading = loading(vec![5e-324, 5e-324], vec![0.0]);
     for method in [Method::BN, Method::Ip, Method::PaperBn] {
         let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = history::run(&problem(), &loading, &[0.5, 1.0], &settings, linear.into(), &mut ());
             assert!(outcome.is_ok(), "{method} {linear}: {outcome:?}");
         }

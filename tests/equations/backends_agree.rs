@@ -39,9 +39,7 @@ fn run(history: &History, settings: &HistorySettings, backend: LinearAlgebra) ->
 
 fn backends_agree(settings: fn(&Model) -> HistorySettings) {
     for history in histories() {
-        let by_both = |settings: &HistorySettings| {
-            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&history, settings, backend))
-        };
+        let by_both = |settings: &HistorySettings| both().map(|backend| run(&history, settings, backend));
         let name = &history.name;
         // The strip with its nodes kept open, to find a first touch, is a beam: rounding tells its iterations.
         let [whole, condensed] = by_both(&settings(&history.model));

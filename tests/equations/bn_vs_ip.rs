@@ -26,11 +26,11 @@ fn states((model, times): &(Model, Vec<f64>), settings: &HistorySettings) -> (Ve
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
+    settings_of(model, Method::PaperBn).until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10);
+    let settings = settings_of(model, Method::Ip).until(100, 1e-10);
     // The setting of the paper divides no increment.
     HistorySettings { halvings: 0, ..settings }
 }

@@ -60,10 +60,9 @@ fn a_body_that_was_carried_is_in_equilibrium() {
         }
     }
     let model = on_the_way("3, 3, 3", 1e-3, 10.0);
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let settings = settings_of(&model, Method::BN);
     let mut measured = Measured(&model, Vec::new());
-    let system = LinearAlgebra::default().into();
-    history::run(&model.problem, &model.loading, model.times(), &settings, system, &mut measured).unwrap();
+    history_of(&model, model.times(), &settings, LinearAlgebra::default(), &mut measured);
     assert_eq!(measured.1.len(), 2);
     for (errors, gap) in measured.1 {
         assert!(errors.worst().1 < 1e-10, "{errors:?}");
@@ -142,7 +141,7 @@ fn a_body_without_net_load_stays() {
             for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
                 let outcome = solve(&model, method, linear);
                 assert_eq!(outcome.status, Status::Converged, "{name} {method} {word}");
-                let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+                let u = largest(&outcome.state.u);
                 assert!(u < 1e-6, "{name} {method} {word}: {u}");
             }
         }

@@ -7,10 +7,8 @@ use stickslip::solver::Condensation;
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
-    let outcome = history::run(&model.problem, &model.loading, times, &settings, linear, &mut keep).unwrap();
-    (outcome, keep)
+    let settings = settings_of(model, Method::BN).until(100, 1e-10);
+    kept(model, times, &settings, backend)
 }
 
 /// Any contact forces and displacements: the interior is in equilibrium, and what the contact nodes lack is
@@ -37,7 +35,7 @@ fn the_way_back_keeps_equilibrium() {
         let state = condensed.state(time, &contact).unwrap();
         let imbalance = model.problem.equilibrium(&force, &state).unwrap();
         let expected = condensed.problem.equilibrium(&small_force, &contact).unwrap();
-        let scale = expected.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let scale = largest(&expected);
         let mut whole = vec![0.0; imbalance.len()];
         border.iter().zip(&expected).for_each(|(&dof, f)| whole[dof] = *f);
         let worst = imbalance.iter().zip(&whole).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
@@ -52,10 +50,9 @@ fn a_body_that_only_contact_holds() {
     let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     assert!(!model.problem.rigid_modes().is_empty());
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&model, &scene.time.all(), backend));
+    let [whole, condensed] = both().map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
-    let largest = whole.0.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let largest = largest(&whole.0.state.p_n);
     let pairs = whole.1.states.iter().zip(&condensed.1.states);
     let worst = pairs.flat_map(|(a, b)| a.p_n.iter().zip(&b.p_n)).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(worst <= 1e-9 * largest, "{worst:e} against {largest:e}");
@@ -72,18 +69,16 @@ fn a_body_that_nothing_holds() {
         Condensed::new(&free.problem, &free.loading, SparseCholesky::default()),
         Err(LinearError::Singular { .. })
     ));
-    for backend in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for backend in both() {
         let outcome = run(&free, &[1.0], backend).0;
         assert_eq!(outcome.status, Status::Singular, "{backend:?}");
         assert!(outcome.free_motion.is_some(), "{backend:?}");
     }
     // Without contact there is nothing to condense to, and nothing to iterate.
     let held = model_with(&without, &["mesh.elements=[4,4]"]);
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&held, &[0.5, 1.0], backend).0);
+    let [whole, condensed] = both().map(|backend| run(&held, &[0.5, 1.0], backend).0);
     assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
-    let largest = whole.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    assert!(whole.state.u.iter().zip(&condensed.state.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
+    assert!(apart(&condensed.state.u, &whole.state.u) <= 1e-12);
 }
 
 /// In a slender body the forces follow from small differences of displacements: the whole system is refined,
@@ -101,8 +96,7 @@ fn slender_bodies_are_refined() {
         ],
     );
     let times = [0.5, 1.0, 1.5, 2.0];
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&strip, &times, backend));
+    let [whole, condensed] = both().map(|backend| run(&strip, &times, backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     assert!(condensed.0.rounding > 1e-10, "not slender enough to show anything: {:e}", condensed.0.rounding);
     assert!(condensed.1.states.iter().any(|state| !state.u_rest.is_empty()));

@@ -18,10 +18,6 @@ fn solve(problem: &ContactProblem, loading: &Loading) -> HistoryOutcome {
     run(problem, loading, &settings(problem, loading))
 }
 
-fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
-    outcome.records.iter().map(|record| record.iterations).collect()
-}
-
 fn assert_close(a: &[f64], b: &[f64], tolerance: f64) {
     let largest = a.iter().chain(b).fold(0.0_f64, |m, x| m.max(x.abs()));
     assert_eq!(a.len(), b.len());

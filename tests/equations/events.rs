@@ -62,7 +62,7 @@ fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: 
 
 /// The largest difference of contact forces, relative to the largest of them.
 fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
-    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+    let largest = |x: &[f64]| largest(&x);
     let of = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let (a, b) = (&a.state, &b.state);
     of(&a.p_n, &b.p_n).max(of(&a.p_t, &b.p_t)) / largest(&a.p_n)
@@ -75,8 +75,7 @@ fn rounding_does_not_decide() {
     let strip = include_str!("../../data/scenes/strip.toml");
     for (model, end) in [(model_with(wedge, &[]), 2.0), (model_with(strip, &["mesh.elements=[60,2]"]), 3.0)] {
         let times = equal_increments(end, 4);
-        let [whole, condensed] =
-            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &times, linear));
+        let [whole, condensed] = both().map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
             assert_eq!(outcome.status, Status::Converged);
             // Relative to the contact forces, which are smaller than the loads of the strip.
@@ -94,7 +93,7 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
         let history = vec![[0.0, 0.0], [1.0 / 3.0, -gap - 0.001], [2.0, -gap - 0.01]];
         let motion = Motion::new(0..1, vec![1.0], vec![[0.3, 0.0]], history).unwrap();
         let loading = Loading::new(Vec::new(), vec![gap]).unwrap().with_motions(vec![motion], Vec::new()).unwrap();
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-12), (Status::Converged, true), "{gap} {outcome:?}");
         }
@@ -107,8 +106,7 @@ fn interference_from_the_start_is_judged_when_it_is_there() {
     let bare = ["mesh.elements=[12,6]", "load[0].traction=[0,0]", "load[1].traction=[0,0]"];
     let there = "contact.obstacle={kind=\"cylinder\",radius=9,apex=[0.4,1e-4],approach=[[0,0],[2,-5e-5]]}";
     let model = model_with(BLOCK, &[&bare[..], &[there]].concat());
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &[1.0, 2.0], linear));
+    let [whole, condensed] = both().map(|linear| exact(&model, &[1.0, 2.0], linear));
     for outcome in [&whole, &condensed] {
         assert_eq!(outcome.status, Status::Converged);
         assert!(worst(outcome) <= 1e-12, "{:e}", worst(outcome));
@@ -121,7 +119,7 @@ fn interference_from_the_start_is_judged_when_it_is_there() {
 /// Sums of contact forces at the end (MN), by a prototype that follows the path with a dense solve for each set of statuses.
 #[test]
 fn sums_are_those_of_another_program() {
-    let forms = [LinearAlgebra::default(), LinearAlgebra::condensed()];
+    let forms = both();
     for (model, times, sum_p_n, sum_p_t) in [
         (block(5, 0.4), vec![1.0, 2.0], 5.302_096, 1.268_765),
         (block(20, 0.8), vec![1.0, 2.0], 5.284_059, 0.811_258),
@@ -279,7 +277,7 @@ fn loads(points: &[(f64, [f64; 2])]) -> Loading {
 fn of_three_continuations_one_is_taken() {
     for mu in [0.5, 3.0] {
         let (problem, loading) = (node(2.0, 1.5, mu), loads(&[(0.0, [0.0; 2]), (1.0, [1.0, 1.0])]));
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = solve(&problem, &loading, &[1.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-14), (Status::Converged, true), "{mu} {linear}");
         }
@@ -296,7 +294,7 @@ fn a_lost_continuation_is_told_with_its_load() {
     let mu = 2.0;
     let problem = node(2.0, 1.5, mu);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0])]);
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         // f_t = mu f_n at half of the second second.
@@ -347,7 +345,7 @@ fn a_lost_path_goes_on_with_a_jump() {
 fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
     let problem = node(0.0, 0.0, 0.5);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         assert!((outcome.reached - 1.25).abs() < 1e-12, "{}", outcome.reached);
@@ -379,7 +377,7 @@ obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
     for gap in ["1e-3 * x", "1e-3 * (1 + x)"] {
         let model = model_with(&standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
         let by_increment = solve(&model.problem, &model.loading, &[1.0], Method::BN, LinearAlgebra::default()).state;
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = exact(&model, &[1.0], linear);
             assert_eq!(outcome.status, Status::Converged, "{gap} {linear}");
             for (path, increment) in [(&outcome.state.p_n, &by_increment.p_n), (&outcome.state.p_t, &by_increment.p_t)]
@@ -402,7 +400,7 @@ fn a_body_that_nothing_holds_is_named() {
         let text = text.replace("fix = [\"x\", \"y\"]", &format!("fix = [\"{fix}\"]"));
         let model = model_with(&text, &["mesh.elements=[4,4]"]);
         for method in [HistoryMethod::EVENTS, Method::BN.into(), Method::Ip.into()] {
-            for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            for linear in both() {
                 let outcome = solve(&model.problem, &model.loading, &[1.0], method, linear);
                 assert_eq!(outcome.status, Status::Singular, "{fix} {method:?} {linear}");
                 assert!(outcome.free_motion.is_some(), "{fix} {method:?} {linear}");

@@ -7,22 +7,20 @@ use crate::common::prelude::*;
 type Settings = fn(&Model) -> HistorySettings;
 
 fn paper_bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
+    settings_of(model, Method::PaperBn).until(200, 1e-10)
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10)
+    settings_of(model, Method::BN).until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10)
+    settings_of(model, Method::Ip).until(100, 1e-10)
 }
 
 fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {
     let model = discretise(scene).unwrap();
-    let (settings, linear, mut keep) = (settings(&model), SystemSolver::from(backend), Keep::default());
-    let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
+    let (outcome, keep) = kept(&model, &scene.time.all(), &settings(&model), backend);
     (keep.states, outcome)
 }
 

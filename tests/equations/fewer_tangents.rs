@@ -51,12 +51,10 @@ fn an_obstacle_that_passes_symmetry_planes() {
         );
         assert!(x == y || (x > y) == (friction[0].abs() > friction[1].abs()), "{along:?} {friction:?}");
 
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip)
-            .unwrap()
-            .until(100, scene.solver.tolerance);
+        let settings = settings_of(&model, Method::Ip).until(100, scene.solver.tolerance);
         let (linear, mut by_ip) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
+        let outcome = history_of(&model, &times, &settings, linear, &mut by_ip);
         assert_eq!(outcome.status, Status::Converged, "{along:?}");
         let found = by_ip.states.last().unwrap();
         for (a, b) in found.p_n.iter().chain(&found.p_t).zip(state.p_n.iter().chain(&state.p_t)) {

@@ -19,10 +19,6 @@ fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
     HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-12) }
 }
 
-fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
-    outcome.records.iter().map(|record| record.iterations).collect()
-}
-
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let largest = a.iter().chain(b).fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
     assert_eq!(a.len(), b.len());

@@ -78,7 +78,7 @@ fn the_direction_solves_the_linearised_equations() {
         let z = point(&formulation, spread);
         let b: Vec<f64> = (0..z.len()).map(|k| (2.0 + k as f64 * 1.3).cos()).collect();
         let dz = direction(&mut formulation, &z, &b);
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let largest = |values: &[f64]| largest(&values);
         let step = largest(&z) / largest(&dz);
         let at = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
         let (ahead, behind) = (residual(&formulation, &at(step)), residual(&formulation, &at(-step)));
@@ -117,7 +117,7 @@ fn along_a_direction() {
         let ahead = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
 
         let half = residual(&formulation, &ahead(0.5));
-        let size = h.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let size = largest(&h);
         for k in (0..h.len()).filter(|k| !g.contains(k)) {
             assert!((half[k] - 0.5 * h[k]).abs() <= 1e-12 * size, "row {k}");
         }

@@ -20,8 +20,8 @@ fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
 }
 
 pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
-    history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap()
+    let settings = settings_of(model, method);
+    history_of(model, model.times(), &settings, linear, &mut ())
 }
 
 /// What all linear algebras agree on, in so many iterations at most.
@@ -33,12 +33,8 @@ pub fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcom
         let taken: usize = outcome.records.iter().map(|record| record.iterations).sum();
         assert!(taken <= iterations, "{word} {method}: {taken}");
         let first = first.get_or_insert_with(|| outcome.clone());
-        let near = |a: &[f64], b: &[f64], error: f64| {
-            let largest = b.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= error * largest)
-        };
-        assert!(near(&outcome.state.p_n, &first.state.p_n, 1e-8), "{word} {method}");
-        assert!(near(&outcome.state.u, &first.state.u, 1e-6), "{word} {method}");
+        assert!(apart(&outcome.state.p_n, &first.state.p_n) <= 1e-8, "{word} {method}");
+        assert!(apart(&outcome.state.u, &first.state.u) <= 1e-6, "{word} {method}");
     }
     first.unwrap()
 }
@@ -57,7 +53,7 @@ fn a_block_on_a_line() {
         assert_eq!(pressed.len(), 3);
         assert!(pressed.iter().zip([25434.0, 25434.0, 49133.0]).all(|pair| off(pair) < 1.0), "{pressed:?}");
         // Of all places along the free motion the one next to where it came from.
-        let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        let u = largest(&outcome.state.u);
         assert!(u < 2e-4, "{u}");
     }
 }

@@ -46,10 +46,8 @@ fn run_to(
     method: Method,
     system: SystemSolver,
 ) -> (HistoryOutcome, Vec<State>) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(200, tolerance);
-    let mut keep = Keep::default();
-    let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut keep).unwrap();
+    let settings = settings_of(model, method).until(200, tolerance);
+    let (outcome, keep) = kept(model, &scene.time.all(), &settings, system);
     (outcome, keep.states)
 }
 

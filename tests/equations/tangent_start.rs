@@ -21,8 +21,7 @@ fn iterations(outcome: &HistoryOutcome) -> usize {
 /// BN, whole and condensed, takes at most so many iterations to the states of the interior point method.
 fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
     let (_, expected) = history(scene, Method::Ip, LinearAlgebra::condensed());
-    let [(whole, whole_states), (condensed, states)] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| history(scene, Method::BN, linear));
+    let [(whole, whole_states), (condensed, states)] = both().map(|linear| history(scene, Method::BN, linear));
     for (outcome, keep) in [(&whole, &whole_states), (&condensed, &states)] {
         let apart = difference(&expected.states, &keep.states);
         assert!(apart < 1e-8, "{apart:e}");

@@ -84,10 +84,10 @@ fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told
     let model = discretise(scene).unwrap();
     let scaling = inside(model.scaling());
     let method = if method == "bn" { Method::BN } else { Method::Ip };
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
+    let settings = settings_of(&model, method).until(100, 1e-10);
     let settings = HistorySettings { scaling, ..settings };
     let (mut told, times, system) = (Told::default(), scene.time.all(), SystemSolver::default());
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut told).unwrap();
+    let outcome = history_of(&model, &times, &settings, system, &mut told);
     assert_eq!(outcome.status, Status::Converged);
     told
 }

@@ -16,7 +16,7 @@ fn solve(
     first: Option<Vec<usize>>,
     linear: LinearAlgebra,
 ) -> (HistoryOutcome, Keep) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+    let settings = settings_of(model, method);
     let settings = HistorySettings { working_set: first, ..settings };
     let (problem, loading, times, mut keep) = (&model.problem, &model.loading, scene.time.all(), Keep::default());
     let outcome = history::run(problem, loading, &times, &settings, SystemSolver::from(linear), &mut keep).unwrap();

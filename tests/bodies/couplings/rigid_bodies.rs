@@ -3,7 +3,7 @@
 use crate::common::prelude::*;
 use stickslip::run::report::PointRecord;
 
-use super::{PUNCH, bn, near, point, report};
+use super::{PUNCH, near, point, report};
 
 /// Every method and every linear algebra has one answer for a rigid punch under a force, and the punch moved as the
 /// force moved it has this force.
@@ -87,8 +87,7 @@ fn a_rigid_body_that_slides_is_named() {
         [("friction = 0.3", "friction = 0"), ("[300, -5000]", "[3000, -5000]"), ("[300, -5000]", "[0, 5000]")]
     {
         let model = discretise(&parsed(&edit(&PUNCH, from, to))).unwrap();
-        let run = Run::of(&model, model.times().to_vec(), bn()).unwrap();
-        let report = run.solve(&mut ()).unwrap();
+        let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
         assert_ne!(report.status, Status::Converged, "{to}");
         assert!(report.explanation.reason.contains("punch"), "{to}: {}", report.explanation.reason);
     }

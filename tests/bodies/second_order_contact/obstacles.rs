@@ -30,7 +30,7 @@ fn corners_that_supports_move() {
     assert_eq!(corners, [1, 1]);
     assert!(model.contacts.iter().all(|contact| (1e-9..1.0 - 1e-9).contains(&contact.position[0])));
     let mut keep = Keep::default();
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         let state =
             solve(&model, model.times(), SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut keep)
                 .state;

@@ -157,9 +157,7 @@ fn it_does_not_matter_which_support_moves() {
     assert!(reference.p_t.iter().any(|p| *p != 0.0));
     for lower in [[-2e-5, 1e-4], [1.0, 2.0], [1e-5, -1e-3]] {
         let (state, moved) = pressed([2e-5 + lower[0], -1e-4 + lower[1]], lower);
-        let largest = reference.p_n.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
-        let apart = |a: &[f64], b: &[f64]| a.iter().zip(b).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest;
-        let apart = apart(&reference.p_n, &state.p_n).max(apart(&reference.p_t, &state.p_t));
+        let apart = forces_apart(&state, &reference);
         assert!(apart < 1e-9, "{lower:?} {apart:e}");
         let off = u.iter().zip(&moved).map(|(a, b)| (b[0] - a[0] - lower[0]).hypot(b[1] - a[1] - lower[1]));
         assert!(off.fold(0.0, f64::max) < 1e-14, "{lower:?}");
@@ -185,8 +183,8 @@ fn stiff_bodies_that_stay_make_no_forces() {
             .support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
         let mut keep = Keep::default();
-        let outcome = solved(&model, SolverChoice::new(Method::BN), &mut keep);
-        let largest = outcome.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+        let outcome = solved(&model, bn(), &mut keep);
+        let largest = largest(&outcome.state.p_n);
         // A thousandth of the largest contact force that is missing counts as about that.
         let last = keep.states.len() - 1;
         let mut spoilt = keep.states[last].clone();
@@ -231,8 +229,7 @@ fn slides_by_supports_are_told() {
         let body = blocks(&all, equal_increments(2.0, 4)).pair("high:bottom", 0.1, "low:top");
         let body = body.held(pressed).held(moved).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
-        let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN)).unwrap();
-        let report = run.solve(&mut ()).unwrap();
+        let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
         report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
     };
     assert_eq!([1e-4, 0.02, 0.03, 0.3].map(slide), [false, false, true, true]);
@@ -245,7 +242,7 @@ fn forces_beyond_the_end_are_told() {
         let all = [("low", [0.0, 0.0], [1.0, 0.5], [8, 4]), ("high", [at, 0.5], [0.4, 0.1], [n, 2])];
         let body = blocks(&all, vec![1.0]).pair(slave, 0.3, master).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body.load(Load::new("high:top", &[0.0, -1e5]))).unwrap();
-        let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
         let told = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
         (report.status == Status::Converged, told)
     };

@@ -29,7 +29,7 @@ fn stiff_on_soft() {
                 let solver = SolverChoice { linear: Some(linear), tolerance: 1e-10, ..SolverChoice::new(method) };
                 let run = Run::of(&model, model.times().to_vec(), solver).unwrap();
                 let outcome = run.history(&mut keep).unwrap();
-                let counts: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+                let counts: Vec<usize> = iterations(&outcome);
                 let worst = outcome.records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max);
                 println!(
                     "{contrast:e} {slave:?} {method:?} {linear:?}: {counts:?}, {} in all, error {worst:.1e}",

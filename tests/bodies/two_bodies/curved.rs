@@ -162,7 +162,7 @@ fn gap_error(shape: Shape, cells: Cells, n: [usize; 2], inner_is_slave: bool) ->
 /// The errors of the mean pressure, and of the pressure that is furthest off.
 fn errors(shape: Shape, cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> [f64; 2] {
     let model = Model::build(&pressed(shape, cells, n, gap, inner_is_slave)).unwrap();
-    let solver = SolverChoice { linear: Some(LinearAlgebra::default()), ..SolverChoice::new(Method::BN) };
+    let solver = solver_of(Method::BN, LinearAlgebra::default());
     let state = solved(&model, solver, &mut ()).state;
     let area: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
     let mean = state.p_n.iter().sum::<f64>() / area / exact(shape) - 1.0;
@@ -371,7 +371,7 @@ fn pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) ->
 fn pressed_pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: bool) -> ([f64; 2], Option<String>) {
     let body = pin(cells, n, gap, inner_is_slave);
     let model = Model::build(&body).unwrap();
-    let solver = SolverChoice { linear: Some(LinearAlgebra::default()), ..SolverChoice::new(Method::BN) };
+    let solver = solver_of(Method::BN, LinearAlgebra::default());
     let state = solved(&model, solver, &mut ()).state;
     let mut worst: f64 = 0.0;
     let [mut closed, mut all] = [0.0; 2];

@@ -112,9 +112,7 @@ fn all_ways_agree() {
         (Method::Bn { r_factor: 1.0, rescue: true }, LinearAlgebra::Whole(SparseLu::default())),
     ] {
         let (_, outcome) = solve([8, 12], 0.02, 1.15, Side::Upper, method, linear);
-        let largest = reference.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
-        let pairs = reference.state.p_n.iter().zip(&outcome.state.p_n);
-        let apart = pairs.fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest;
+        let apart = apart(&outcome.state.p_n, &reference.state.p_n);
         assert!(apart < 1e-9, "{method:?} {linear:?} {apart:e}");
     }
 }

@@ -5,7 +5,7 @@ use crate::common::prelude::*;
 
 fn solved(description: &Description) -> (Model, Vec<[f64; 3]>) {
     let model = Model::build(description).unwrap();
-    let run = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap();
+    let run = Run::of(&model, vec![1.0], bn()).unwrap();
     let outcome = run.history(&mut ()).unwrap();
     assert_eq!(outcome.status, Status::Converged);
     let u = model.displacements(1.0, &outcome.state.u).unwrap();
@@ -70,7 +70,7 @@ fn supports_carry_what_glue_passes_on() {
                 .support(held, &[Axis::X])
                 .load(Load::new("upper:top", &[3e6, -10e6]));
             let model = Model::build(&body).unwrap();
-            let run = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap();
+            let run = Run::of(&model, vec![1.0], bn()).unwrap();
             let state = run.history(&mut ()).unwrap().state;
             let balance = model.balance(1.0, &state).unwrap();
             assert!((balance.supports[1].force[0] / -6e5 - 1.0).abs() < 1e-10, "{n} {m} {held} {balance:?}");
@@ -152,7 +152,7 @@ fn the_moment_across_a_gap_is_told() {
             .support("lower:bottom", &[Axis::X, Axis::Y])
             .load(Load::new("upper:top", &[1e5, 0.0]));
         let model = Model::build(&body).unwrap();
-        let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+        let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
         let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
         assert_eq!(told.is_some(), warned, "{told:?}");
         let names_gap = |message: &str| message.contains("50.0 mm apart") && !message.contains("rounding");

@@ -86,10 +86,9 @@ fn figures(model: &Model, outcome: &HistoryOutcome) -> [f64; 5] {
 
 fn solve(n: [usize; 2], slave: Side, friction: f64, increments: usize) -> (Vec<usize>, [f64; 5]) {
     let model = Model::build(&roller(n[1], n[0], slave, friction, increments)).unwrap();
-    let solver =
-        SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-10, ..SolverChoice::new(Method::BN) };
+    let solver = SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-10, ..bn() };
     let outcome = solved(&model, solver, &mut ());
-    let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+    let iterations: Vec<usize> = iterations(&outcome);
     let figures = figures(&model, &outcome);
     println!(
         "disc:block {n:?}, slave {slave:?}, friction {friction}: {iterations:?}, p_max, fit, shear, a, u_y {figures:.10?}"

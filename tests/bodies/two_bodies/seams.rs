@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 fn by_all(model: &Model, name: &str, most: usize, see: impl Fn(&Model, &stickslip::solver::State)) {
     for method in [Method::BN, Method::Ip] {
         for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
-            let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
+            let solver = solver_of(method, linear);
             let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(&mut ()).unwrap();
             assert_eq!(outcome.status, Status::Converged, "{name}, {method}, {word}");
             let taken = outcome.records.iter().map(|record| record.iterations).max().unwrap();
@@ -161,12 +161,12 @@ fn rings_on_contact_and_friction_alone() {
                 .pair("hub:left", 0.12, opposite);
             let model = Model::build(&body).unwrap();
             by_all(&model, &format!("{kind:?}, {n} around"), 10, |model, state| {
-                let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+                let largest = largest(&state.p_n);
                 assert!(state.p_n.iter().all(|p| *p > 0.1 * largest), "{kind:?} {n}");
                 assert!(state.p_t.iter().all(|p| p.abs() < 0.12 * 0.5 * largest), "{kind:?} {n}");
                 assert!(!model.rigid_motions.is_empty());
             });
-            let outcome = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().history(&mut ()).unwrap();
+            let outcome = Run::of(&model, vec![1.0], bn()).unwrap().history(&mut ()).unwrap();
             forces.push(outcome.state.p_n.iter().sum::<f64>());
         }
         let last = forces[forces.len() - 1];
@@ -195,7 +195,7 @@ fn turned_rings_stay() {
         );
         let model = Model::build(&body).unwrap();
         by_all(&model, &format!("{n} on {m} turned by {turn}"), 10, |_, state| {
-            let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+            let largest = largest(&state.p_n);
             assert!(state.p_n.iter().all(|p| *p > 0.1 * largest), "{n} {m} {turn}: {:?}", state.p_n);
             assert!(state.u.iter().all(|u| u.abs() < 1e-4), "{n} {m} {turn}");
         });
@@ -235,7 +235,7 @@ fn the_end_of_a_weld() {
             assert!((pressure / 0.01 - 1.0).abs() < 1e-6 || is_end, "{:?}: {pressure}", contact.position);
         }
     });
-    let report = Run::of(&model, vec![1.0], SolverChoice::new(Method::BN)).unwrap().solve(&mut ()).unwrap();
+    let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
     assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::NotUnique), "{:?}", report.warnings);
 }
 

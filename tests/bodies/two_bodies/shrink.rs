@@ -63,8 +63,7 @@ fn errors(shape: Ring, kind: CellKind, n: usize, inner_is_slave: bool) -> [f64; 
         if shape == Ring::Quarter { body.support(&format!("{name}:top"), &[Axis::X]) } else { body }
     });
     let model = Model::build(&body).unwrap();
-    let solver =
-        SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-11, ..SolverChoice::new(Method::BN) };
+    let solver = SolverChoice { linear: Some(LinearAlgebra::default()), tolerance: 1e-11, ..bn() };
     let state = solved(&model, solver, &mut ()).state;
     let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
     let mean = state.p_n.iter().sum::<f64>() / weights;

@@ -58,7 +58,7 @@ fn spheres(body: Body, n: [usize; 2], a: f64, slave: Side) -> Description {
 fn errors(body: Body, n: [usize; 2], slave: Side) -> [f64; 3] {
     let model = Model::build(&spheres(body, n, 5e-3, slave)).unwrap();
     let linear = if body == Body::Section { LinearAlgebra::default() } else { LinearAlgebra::condensed() };
-    let outcome = solved(&model, SolverChoice { linear: Some(linear), ..SolverChoice::new(Method::BN) }, &mut ());
+    let outcome = solved(&model, solver_of(Method::BN, linear), &mut ());
     let p_n = &outcome.state.p_n;
     let r = |x: [f64; 3]| if body == Body::Section { x[0] } else { x[0].hypot(x[1]) };
     let total: f64 = p_n.iter().sum();

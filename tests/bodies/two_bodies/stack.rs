@@ -13,7 +13,7 @@ fn a_finer_block_on_a_coarser_one() {
     let model = Model::build(&stack([8, 4], [11, 5], Side::Upper)).unwrap();
     let mut keep = Keep::default();
     let outcome = solved(&model, solver(Method::BN, condensed()), &mut keep);
-    let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+    let iterations: Vec<usize> = iterations(&outcome);
     let expected = [2, 1, 1, 1, 1, 2, 1, 1, 1, 4, 2, 1, 1, 1, 1, 1, 2, 1, 3, 3];
     // Those are from the last state. From the tangent there it takes fewer, but where the load turns round up to two more.
     assert!(iterations.iter().zip(expected).all(|(found, expected)| *found <= expected + 2), "{iterations:?}");
@@ -96,7 +96,7 @@ fn assert_history(description: &Description, expected: &Expected<'_>) {
     let model = Model::build(description).unwrap();
     for linear in [condensed(), LinearAlgebra::Whole(SparseLu::default())] {
         let outcome = solved(&model, solver(Method::BN, linear), &mut ());
-        let iterations: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+        let iterations: Vec<usize> = iterations(&outcome);
         assert!(iterations.iter().zip(expected.iterations).all(|(a, b)| a.abs_diff(b) <= 1), "{iterations:?}");
         let fifth = outcome.records.iter().skip(4).step_by(5).map(|record| &record.contact);
         let statuses: Vec<[usize; 3]> = fifth.map(|count| [count.open, count.stick, count.slip]).collect();

@@ -37,14 +37,14 @@ fn solve(n: [usize; 2], a: f64, ratio: f64, slave: Side) -> (Model, HistoryOutco
     let (body, force) = cylinders(n, a, ratio, slave);
     let model = Model::build(&body).unwrap();
     let linear = Some(LinearAlgebra::default());
-    let outcome = solved(&model, SolverChoice { linear, tolerance: 1e-10, ..SolverChoice::new(Method::BN) }, &mut ());
+    let outcome = solved(&model, SolverChoice { linear, tolerance: 1e-10, ..bn() }, &mut ());
     (model, outcome, force)
 }
 
 /// Which nodes touch and do not slip, and how far out they are.
 fn sticks(model: &Model, outcome: &HistoryOutcome) -> f64 {
     let state = &outcome.state;
-    let most = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let most = largest(&state.p_n);
     let stuck = (0..state.p_n.len())
         .filter(|&i| state.p_n[i] > 1e-6 * most && state.p_t[i].abs() < (1.0 - 1e-6) * MU * state.p_n[i]);
     stuck.map(|i| model.contacts[i].position[0].abs()).fold(0.0, f64::max)

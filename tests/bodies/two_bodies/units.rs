@@ -29,15 +29,14 @@ fn units_do_not_matter() {
                 let run = Run::of(&model, model.times().to_vec(), solver(method, linear)).unwrap();
                 let outcome = run.history(&mut ()).unwrap();
                 assert_eq!(outcome.status, Status::Converged);
-                let counts: Vec<usize> = outcome.records.iter().map(|record| record.iterations).collect();
+                let counts: Vec<usize> = iterations(&outcome);
                 let forces = [outcome.state.p_n, outcome.state.p_t].concat();
                 (counts, forces.iter().map(|p| p / (length * stress)).collect::<Vec<f64>>())
             });
             let (counts, forces) = &all[0];
-            let largest = forces.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
             for (others, found) in &all[1..] {
                 assert_eq!(others, counts, "{method:?} {linear:?} {slave:?}");
-                let apart = forces.iter().zip(found).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs())) / largest;
+                let apart = apart(found, forces);
                 assert!(apart < 1e-11, "{method:?} {linear:?} {slave:?} {apart:e}");
             }
         }

@@ -5,10 +5,8 @@ use crate::common::prelude::*;
 /// The report of a run that converges.
 pub fn report(body: &Description, method: Method, linear: LinearAlgebra) -> RunReport {
     let model = Model::build(body).unwrap();
-    let solver = SolverChoice { linear: Some(linear), ..SolverChoice::new(method) };
-    let report = Run::of(&model, model.times().to_vec(), solver).unwrap().solve(&mut ()).unwrap();
-    assert_eq!(report.status, Status::Converged, "{method:?} {linear:?}");
-    report
+    let solver = solver_of(method, linear);
+    converged(&model, solver, &mut ())
 }
 
 pub fn warns(report: &RunReport, kind: WarningKind) -> bool {
