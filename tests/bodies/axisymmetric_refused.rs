@@ -2,9 +2,8 @@
 
 use crate::common::prelude::*;
 
-static DISC: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+scene! {
+static DISC = r#"
 [mesh] kind = "block", size = [1.0, 1.0], elements = [2, 2]
 [material] young = 1e9, poisson = 0.3, density = 1000, plane = "axisymmetric"
 [[support]] boundary = "top", fix = ["x", "y"]
@@ -12,9 +11,7 @@ static DISC: LazyLock<String> = LazyLock::new(|| {
 [contact.obstacle] kind = "plane", gap = 0.01
 [[load]] boundary = "right", traction = [0.0, -1.0]
 [time] end = 1.0, increments = 1
-"#,
-    )
-});
+"# }
 
 const FAULTS: &str = r#"
 boundary = "right"¶traction = [0.0, -1.0] |

@@ -6,10 +6,9 @@ use crate::common::prelude::*;
 use stickslip::body::Part;
 use stickslip::run::report::PointRecord;
 
+scene! {
 /// A cantilever of 100 mm x 10 mm, without lateral contraction, so that beam theory is exact for a moment.
-static BEAM: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static BEAM = r#"
 units = { length = "mm", stress = "MPa" }
 [mesh] kind = "block", size = [100, 10], elements = [10, 2], cells = "triangle6"
 [material] young = 2e5, poisson = 0, plane = "stress"
@@ -17,14 +16,11 @@ units = { length = "mm", stress = "MPa" }
 [[coupling]] name = "end", boundary = "right"
 [[load]] coupling = "end", moment = 1000
 [time] end = 1, increments = 1
-"#,
-    )
-});
+"# }
 
+scene! {
 /// A bar of 40 mm x 4 mm x 6 mm.
-static BAR: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static BAR = r#"
 units = { length = "mm", stress = "MPa" }
 [mesh] kind = "block", size = [40, 4, 6], elements = [4, 1, 1], cells = "tetrahedron10"
 [material] young = 2e5, poisson = 0
@@ -33,14 +29,11 @@ units = { length = "mm", stress = "MPa" }
 [[load]] coupling = "end", moment = [0, 500, 300]
 [[load]] coupling = "end", force = [1200, 0, 0]
 [time] end = 1, increments = 1
-"#,
-    )
-});
+"# }
 
+scene! {
 /// A rigid punch on an elastic plate with friction, pressed, pushed and tilted.
-static PUNCH: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static PUNCH = r#"
 units = { length = "mm", stress = "MPa" }
 [[body]] name = "plate"
 [body.mesh] kind = "block", size = [40, 20], elements = [20, 10]
@@ -53,9 +46,7 @@ units = { length = "mm", stress = "MPa" }
 [[support]] boundary = "plate:bottom", fix = ["x", "y"]
 [[load]] coupling = "handle", force = [300, -5000]
 [time] end = 1, increments = 4
-"#,
-    )
-});
+"# }
 
 fn report(text: &str, solver: SolverChoice) -> RunReport {
     solved(&model_of(text), solver)
@@ -230,15 +221,13 @@ fn distributed_moments_are_linear_tractions() {
 /// directions, so that the coupling holds the other.
 #[test]
 fn one_point_carries_two_bodies() {
-    let bodies = scene_text(
-        r#"
+    let bodies = scene! { r#"
 [[body]] name = "thick", mesh = { kind = "block", size = [0.1, 0.02], elements = [4, 2] }
 material = { young = 2e11, poisson = 0, plane = "stress" }
 [[body]] name = "thin", at = [0, 0.05], mesh = { kind = "block", size = [0.1, 0.01], elements = [3, 2] }
 material = { young = 2e11, poisson = 0, plane = "stress" }
 [time] end = 1, increments = 1
-"#,
-    );
+"# };
     let mut mesh = Mesh::clone(&model_of(&bodies).mesh);
     let facets = ["thick:right", "thin:right"].map(|name| mesh.boundary(name).unwrap().facets.clone()).concat();
     mesh.boundaries.push(Boundary { name: "ends".into(), facets });

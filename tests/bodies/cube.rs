@@ -147,8 +147,7 @@ fn a_rescue() {
 /// that holds it on its way.
 #[test]
 fn a_body_that_comes_to_stand_on_a_node() {
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 [mesh] kind = "block", size = [1, 1, 1], elements = [1, 4, 4]
 [material] young = 210e9, poisson = -0.5
 [[support]] boundary = "top", fix = ["x", "y"]
@@ -156,8 +155,7 @@ fn a_body_that_comes_to_stand_on_a_node() {
 obstacle = { kind = "plane", gap = 1e-6, normal = [0.0996921, 0.186155, -1] }
 [[load]] boundary = "top", traction = [0, 0, -1e6]
 [time] end = 1, increments = 4
-"#,
-    );
+"# };
     let (_, outcome, _) = solve(&parsed(&text));
     assert_eq!(outcome.state.p_n.iter().filter(|p| **p > 0.0).count(), 1);
     assert!(outcome.records.iter().all(|record| !record.rescued && record.parts == 1 && record.iterations <= 3));

@@ -37,8 +37,7 @@ fn the_block_from_text_and_from_rust() {
 
 #[test]
 fn obstacles_that_move_from_text_and_from_rust() {
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 [mesh] kind = "block", size = [[0.5, 0.5], 1.0], elements = [[2, 3], 2], grading = [[1.0, 2.0], 1.0]
 cells = "triangle"
 [material] young = 1e9, poisson = 0.3, layers = [[0.5, 2e9, 0.2]]
@@ -48,8 +47,7 @@ cells = "triangle"
 approach = [[0, 0], [1, 2e-3]], motion.translation = [[0, 0, 0], [3, 0.1, 0]]
 motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
 [time] end = 2, increments = 4
-"#,
-    );
+"# };
     let source = MeshSource::Block {
         axes: vec![
             [(2, 1.0), (3, 2.0)].map(|(elements, grading)| Segment { length: 0.5, elements, grading }).to_vec(),

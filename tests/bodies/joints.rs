@@ -4,10 +4,9 @@ use crate::common::prelude::*;
 use stickslip::run::report::SectionRecord;
 use stickslip::run::tightening;
 
+scene! {
 /// A bar of two parts between rigid walls, without lateral contraction.
-static BAR: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static BAR = r#"
 units = { length = "mm", stress = "MPa" }
 [[body]] name = "lower"
 [body.mesh] kind = "block", size = [10, 40], elements = [3, 4]
@@ -20,15 +19,12 @@ units = { length = "mm", stress = "MPa" }
 [[support]] boundary = "lower:bottom", fix = ["x", "y"]
 [[support]] boundary = "upper:top", fix = ["x", "y"]
 [time] end = 1, increments = 2
-"#,
-    )
-});
+"# }
 
+scene! {
 /// A bolt in two parts beside a sleeve, both below a rigid head that moves along the bolt only. The bolt has a stiffness of
 /// E A / 40 mm with the area 4 mm (times 1 mm), the sleeve three times as much.
-static JOINT: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static JOINT = r#"
 units = { length = "mm", stress = "MPa" }
 [[body]] name = "shank", mesh = { kind = "block", size = [4, 30], elements = [2, 3] }
 material = { young = 2e5, poisson = 0 }
@@ -48,14 +44,11 @@ material = { young = 1, poisson = 0 }
 [[pretension]] name = "bolt", boundary = "shank:top", force = 1200, history = [[0, 0], [1, 1]], lock = 1
 [[load]] coupling = "head", force = [0, 800], history = [[1, 0], [2, 1], [3, 4]]
 [time] end = 3, increments = 6
-"#,
-    )
-});
+"# }
 
+scene! {
 /// A strip that is one period of a layer, below a pressure.
-static STRIP: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+static STRIP = r#"
 [mesh] kind = "block", size = [3, 2], elements = [4, 3]
 [material] young = 100, poisson = 0.25
 [[contact]] boundary = "right", against = "left", glue = true, shift = [3, 0]
@@ -63,9 +56,7 @@ static STRIP: LazyLock<String> = LazyLock::new(|| {
 [[support]] point = [0, 0], fix = ["x"]
 [[load]] boundary = "top", pressure = 2
 [time] end = 1, increments = 1
-"#,
-    )
-});
+"# }
 
 fn report(text: &str, solver: SolverChoice) -> RunReport {
     solved(&model_of(text), solver)
@@ -226,8 +217,7 @@ fn a_periodic_strip_is_pressed() {
 /// Bars one behind the other: `1 / E = Σ c / E`. A shear has a moment that the periodic boundaries carry.
 #[test]
 fn a_laminate_has_its_modulus() {
-    let laminate = scene_text(
-        r#"
+    let laminate = scene! { r#"
 [[body]] name = "soft", mesh = { kind = "block", size = [4, 2], elements = [2, 3] }
 material = { young = 100, poisson = 0 }
 [[body]] name = "hard", at = [4, 0], mesh = { kind = "block", size = [6, 2], elements = [2, 4] }
@@ -238,8 +228,7 @@ material = { young = 300, poisson = 0 }
 [[support]] boundary = "soft:bottom", fix = ["y"]
 [[support]] point = [0, 0], fix = ["x"]
 [time] end = 1, increments = 1
-"#,
-    );
+"# };
     let modulus = 1.0 / (0.4 / 100.0 + 0.6 / 300.0);
     near(last(&report(&laminate, bn())).normal_force, 2.0 * modulus * 0.01 / 10.0, 1e-9);
 }

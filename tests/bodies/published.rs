@@ -10,7 +10,7 @@ fn solve(description: &Description) -> (Model, Vec<RecordedIncrement>) {
     let model = Model::build(description).unwrap();
     let mut recording = Recording::all();
     let solver = solver_of(Method::BN, LinearAlgebra::condensed());
-    let report = converged(&model, solver, &mut recording);
+    converged(&model, solver, &mut recording);
     (model, recording.increments)
 }
 

@@ -2,10 +2,9 @@
 
 use crate::common::prelude::*;
 
+scene! {
 /// Two blocks, one above the other, each held by its own top and pressed on its own floor.
-pub static TWO: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+pub static TWO = r#"
 [[body]] name = "lower"
 [body.mesh] kind = "block", size = [1.0, 0.5]
 elements = [8, 4]  # lower
@@ -26,9 +25,7 @@ density = 2700
 [[load]] boundary = "lower:top", traction = [0, -1e7]
 [[load]] boundary = "upper:top", traction = [1e6, -2e7]
 [time] end = 1, increments = 4
-"#,
-    )
-});
+"# }
 
 fn with(overrides: &[&str]) -> Scene {
     parsed_with(&TWO, overrides)

@@ -140,8 +140,7 @@ fn a_press_fit_that_is_pulled_out() {
 /// A press fit slips whatever another body does: that one slips in a part of its own contact.
 #[test]
 fn a_press_fit_beside_another_body() {
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 contact = [
 { boundary = "fit:bottom", friction = 0.1, obstacle = { kind = "plane", gap = -0.002 } },
 { boundary = "fit:top", friction = 0.1, obstacle = { kind = "plane" } },
@@ -157,8 +156,7 @@ time = { end = 2, increments = 8 }
 material = { young = 1000.0, poisson = 0.35 }
 [[body]] name = "other", at = [30, 0], mesh = { kind = "block", size = [1, 1], elements = [2, 2] }
 material = { young = 1000.0, poisson = 0.3 }
-"#,
-    );
+"# };
     for solver in SOLVERS {
         for method in ["bn", "ip"] {
             let set = [format!("solver.linear=\"{solver}\""), format!("solver.method=\"{method}\"")];

@@ -45,15 +45,13 @@ pub fn binary(triangles: &[Triangle]) -> Vec<u8> {
 
 /// Half a block above the origin on an obstacle, pressed down.
 fn slab(obstacle: &str) -> String {
-    scene_text(&format!(
-        r#"
+    scene! { format r#"
 [mesh] kind = "block", size = [1.0, 0.2, 0.5], elements = [16, 2, 6]
 [material] young = 1e9, poisson = 0.3
 [[support]] boundary = "top", fix = ["x", "y", "z"]
 [[contact]] boundary = "bottom", friction = 0.2, obstacle = {{ {obstacle} }}
 [time] end = 2.0, increments = 2
-"#
-    ))
+"# }
 }
 
 fn solved(text: &str) -> (Model, Vec<State>) {

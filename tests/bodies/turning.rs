@@ -96,17 +96,14 @@ fn a_back_does_not_press() {
     assert_eq!(turned(&square, roller, about(0.5, 0.25), PI), extent);
 }
 
-static SCENE: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+scene! {
+static SCENE = r#"
 [mesh] kind = "block", size = [1.0, 0.2], elements = [20, 4]
 [material] young = 1e9, poisson = 0.3
 [[support]] boundary = "top", fix = ["x", "y"]
 [[contact]] boundary = "bottom", friction = 0.1, obstacle = { OBSTACLE }
 [time] end = 1.0, increments = 10
-"#,
-    )
-});
+"# }
 
 fn scene(obstacle: &str) -> String {
     SCENE.replace("OBSTACLE", obstacle)

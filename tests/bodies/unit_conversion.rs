@@ -34,9 +34,8 @@ fn assert_same(found: &Description, expected: &Description) {
     }
 }
 
-static PLANE: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+scene! {
+static PLANE = r#"
 [mesh] kind = "half-plane", size = [0.2, 0.1], contact_width = 0.02, contact_elements = 4, outer_elements = 3
 layers = 4
 [material] young = 210e9, poisson = 0.3, density = 7850, expansion = 1.2e-5, layers = [[0.03, 70e9, 0.33]]
@@ -55,9 +54,7 @@ motion.rotation = { through = [0.0, 0.6], history = [[0, 0], [1, 1e-6]] }
 [[load]] rotation = { through = [0.1, 0.05], speed = 10 }
 [[load]] temperature = 30
 [time] end = 1, increments = 2
-"#,
-    )
-});
+"# }
 
 const IN_INCHES: &[(&str, &str)] = &[
     ("[mesh]", "[units]\nlength = 'in'\nstress = 'ksi'\n[mesh]"),
@@ -125,9 +122,8 @@ fn every_number_of_a_plane_scene_is_converted() {
     discretise(&inches).unwrap();
 }
 
-static SPACE: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+scene! {
+static SPACE = r#"
 [mesh] kind = "block", size = [[0.1, 0.3], 0.2, 0.1], elements = [[2, 2], 2, 2]
 [material] young = 210e9, poisson = 0.3
 [[material.group]] name = "body", young = 70e9, poisson = 0.2, density = 2700
@@ -150,9 +146,7 @@ obstacle = { kind = "wedge", angle = 0.1, apex = [0.2, 0.2001, 0.05], axis = [0,
 [[load]] acceleration = [0, 0, -9.81]
 [time] end = 1, increments = 2
 [[output.probe]] name = "line", from = [0.1, 0.0, 0.0], to = [0.3, 0.2, 0.1], points = 3
-"#,
-    )
-});
+"# }
 
 const SPACE_IN_INCHES: &[(&str, &str)] = &[
     ("[mesh]", "[units]\nlength = 'in'\nstress = 'ksi'\n[mesh]"),

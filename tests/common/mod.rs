@@ -16,10 +16,10 @@ pub mod scenes;
 pub mod scratch;
 pub mod vtu;
 
-use scenes::scene_text;
+use scenes::scene;
 use std::io::Write;
 use std::ops::ControlFlow;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 use stickslip::algebra::linear::{RefinedSolver, Stiffness, SystemMatrix};
 use stickslip::algebra::{Csc, Symmetric};
 use stickslip::body::Model;
@@ -84,10 +84,9 @@ pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) ->
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 
+scene! {
 /// A block on a plane that pulls it along.
-pub static BELT: LazyLock<String> = LazyLock::new(|| {
-    scene_text(
-        r#"
+pub static BELT = r#"
 title = "A block on a belt"
 [mesh] kind = "block", size = [1.0, 0.5], elements = [8, 4]
 [material] young = 1e9, poisson = 0.3
@@ -96,9 +95,7 @@ title = "A block on a belt"
 obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
 [[load]] boundary = "top", traction = [0.0, -1e5], history = [[0, 0], [1, 1], [2, 1]]
 [time] end = 2.0, increments = 4
-"#,
-    )
-});
+"# }
 
 /// Keeps the state and the data of every increment.
 #[derive(Default)]

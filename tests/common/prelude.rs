@@ -19,6 +19,7 @@ pub use super::{
     scratch::Scratch,
 };
 pub(crate) use crate::common;
+pub(crate) use crate::common::scenes::scene;
 pub use miette::Diagnostic;
 pub use std::{
     f64::consts::{FRAC_1_SQRT_2, FRAC_PI_2, PI},

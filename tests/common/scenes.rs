@@ -35,6 +35,21 @@ pub fn scene_text(rows: &str) -> String {
     text.lines().map(str::trim_start).collect::<Vec<_>>().join("\n") + "\n"
 }
 
+/// The text of a scene that is written in rows, also with values in braces, or as a static for several tests.
+macro_rules! scene {
+    ($rows:literal) => {
+        $crate::common::scenes::scene_text($rows)
+    };
+    (format $rows:literal) => {
+        $crate::common::scenes::scene_text(&format!($rows))
+    };
+    ($(#[$doc:meta])* $access:vis static $name:ident = $rows:literal) => {
+        $(#[$doc])*
+        $access static $name: std::sync::LazyLock<String> = std::sync::LazyLock::new(|| scene!($rows));
+    };
+}
+pub(crate) use scene;
+
 /// The scene of a text.
 pub fn parsed(text: &str) -> Scene {
     parsed_with(text, &[])

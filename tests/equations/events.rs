@@ -364,16 +364,14 @@ fn nodes_that_slide_in_a_plane_are_refused() {
 /// body does under loads however small, and then the path has the forces of an increment under loads that stay.
 #[test]
 fn a_body_that_contact_alone_holds_comes_to_rest_first() {
-    let standing = scene_text(
-        r#"
+    let standing = scene! { r#"
 [mesh] kind = "block", size = [1.0, 1.0], elements = [2, 2]
 [material] young = 1e9, poisson = 0.3
 [[contact]] boundary = "bottom", friction = 0.5
 obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
 [[load]] boundary = "top", traction = [2e4, -1e5], history = [[0, 1]]
 [time] end = 1.0, increments = 1
-"#,
-    );
+"# };
     for gap in ["1e-3 * x", "1e-3 * (1 + x)"] {
         let model = model_with(&standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
         let by_increment = solve(&model.problem, &model.loading, &[1.0], Method::BN, LinearAlgebra::default()).state;

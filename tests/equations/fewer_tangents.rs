@@ -8,8 +8,7 @@ const MU: f64 = 0.3;
 /// A cube under the pressure 1 MPa, then the plane below moves `along` so far (m). `more` is TOML.
 fn cube(n: usize, along: [f64; 2], more: &str) -> Scene {
     let [x, y] = along;
-    let text = scene_text(&format!(
-        r#"
+    let text = scene! { format r#"
 [mesh] kind = "block", size = [1.0, 1.0, 1.0], elements = [{n}, {n}, {n}]
 [material] young = 210e9, poisson = 0.3
 [[support]] boundary = "right", fix = ["x"]
@@ -19,8 +18,7 @@ obstacle = {{ kind = "plane", motion = {{ translation = [[0, 0, 0, 0], [1, 0, 0,
 [[load]] boundary = "top", traction = [0, 0, -1e6], history = [[0, 0], [1, 1]]
 [time] end = 2, increments = 4
 {more}
-"#
-    ));
+"# };
     parsed(&text)
 }
 

@@ -97,8 +97,7 @@ fn a_rigid_body_that_slides_is_named() {
 /// carry the whole force.
 #[test]
 fn a_rigid_body_between_two_others() {
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 units = { length = "mm", stress = "MPa" }
 [[body]] name = "lower", mesh = { kind = "block", size = [20, 10], elements = [20, 10] }
 material = { young = 2.1e5, poisson = 0.3 }
@@ -112,8 +111,7 @@ material = { young = 2.1e5, poisson = 0.3 }
 [[support]] boundary = "lower:bottom", fix = ["x", "y"]
 [[support]] boundary = "upper:top", fix = ["x", "y"], displacement = [0, -0.01]
 [time] end = 1, increments = 2
-"#,
-    );
+"# };
     for linear in [LinearAlgebra::Whole(SparseLu::default()), LinearAlgebra::condensed()] {
         let report = report(&text, SolverChoice { linear: Some(linear), ..bn() });
         let [lower, upper] = [0, 1].map(|k| report.reactions.last().unwrap().supports[k].force.clone());
@@ -205,8 +203,7 @@ fn random_rigid_bodies() {
         };
         let force = if space { format!("[{aside}, 0, {}]", -down) } else { format!("[{aside}, {}]", -down) };
         let moment = if space { format!("[0, {}, 0]", -down * arm) } else { format!("{}", down * arm) };
-        let text = scene_text(&format!(
-            r#"
+        let text = scene! { format r#"
 units = {{ length = "mm", stress = "MPa" }}
 [[body]] name = "plate", mesh = {{ kind = "block", size = {size}, elements = {fine} }}
 material = {{ young = 2e5, poisson = 0.3 }}
@@ -218,8 +215,7 @@ material = {{ young = 1, poisson = 0.3 }}
 [[load]] coupling = "punch", force = {force}
 [[load]] coupling = "punch", moment = {moment}
 [time] end = 1, increments = 2
-"#
-        ));
+"# };
         let whole = LinearAlgebra::Whole(SparseLu::default());
         let choices = [(Method::BN, whole), (Method::BN, LinearAlgebra::condensed()), (Method::Ip, whole)];
         let ends = choices.map(|(method, linear)| {

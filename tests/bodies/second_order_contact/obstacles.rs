@@ -12,8 +12,7 @@ fn distances(contact: &ContactNode, u: &[[f64; 3]], gap: &dyn Fn(&Term) -> f64) 
 /// Supports hold and move the ends of the boundary: what they prescribe is in the rows beside them, and their forces balance.
 #[test]
 fn corners_that_supports_move() {
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 [mesh] kind = "block", size = [1, 0.5], elements = [4, 2], cells = "triangle6"
 [material] young = 1.0, poisson = 0.3
 [[support]] boundary = "left", fix = ["x", "y"], displacement = [0.0, -2e-3]
@@ -21,8 +20,7 @@ fn corners_that_supports_move() {
 [[contact]] boundary = "bottom", friction = 0.3, obstacle = { kind = "plane", gap = 2e-3 }
 [[load]] boundary = "top", traction = [0.0, -0.002]
 [time] end = 1.0, increments = 3
-"#,
-    );
+"# };
     let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let held_ends = model.contacts.iter().flat_map(|contact| contact.ends.iter().flatten());
@@ -122,8 +120,7 @@ fn stresses_on_curved_boundaries() {
             mesh.nodes[facet[1]] = x.map(|c| c * radius / norm(x));
         }
     }
-    let text = scene_text(
-        r#"
+    let text = scene! { r#"
 [mesh] kind = "block", size = [1, 1], elements = [1, 1]
 [material] young = 1.0, poisson = 0.3
 [[support]] point = [0.6, 0], fix = ["y"]
@@ -133,8 +130,7 @@ fn stresses_on_curved_boundaries() {
 obstacle = { kind = "bore", radius = 1.0, apex = [0, 1], normal = [0, 1], direction = "nearest" }
 [[load]] boundary = "inner", pressure = 1e-3
 [time] end = 1.0, increments = 1
-"#,
-    );
+"# };
     let mut scene = parsed(&text);
     scene.description.mesh = MeshSource::from(mesh);
     let model = discretise(&scene).unwrap();
