@@ -3,8 +3,8 @@
 use crate::common::prelude::*;
 use std::fmt::Write as _;
 
-use super::common::mesh_files::unv;
-use super::mesh_formats::{from_least, of_all_kinds};
+use crate::common::mesh_files::unv;
+use crate::files::mesh_formats::{from_least, of_all_kinds};
 
 fn read(text: &str) -> Mesh {
     MeshFormat::Unv.parse("part.unv", text.as_bytes(), 1.0).unwrap()

@@ -1,8 +1,8 @@
 //! What contact nodes do not feel of obstacles: another obstacle that comes, what is between nodes, holes.
 
+use crate::closed_forms::estimates::solved;
 use crate::common::prelude::*;
-use crate::estimates::solved;
-use crate::surfaces::{Triangle, ascii};
+use crate::contact::surfaces::{Triangle, ascii};
 
 const TIMES: [f64; 8] = [0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 1.75, 2.0];
 

@@ -3,8 +3,8 @@
 use crate::common::prelude::*;
 use stickslip::solver::history::IncrementError;
 
-const LINE: &str = include_str!("../../data/scenes/hertz_line.toml");
-const SPHERE: &str = include_str!("../../data/scenes/hertz_sphere.toml");
+const LINE: &str = include_str!("../../../data/scenes/hertz_line.toml");
+const SPHERE: &str = include_str!("../../../data/scenes/hertz_sphere.toml");
 
 fn solved(scene: &str, increments: usize, set: &[&str]) -> RunReport {
     let increments = format!("time.increments={increments}");

@@ -78,15 +78,15 @@ fn each_method_on_each_linear_algebra_goes_on_to_the_last_bit() {
 #[test]
 fn bodies_that_contact_holds_friction_that_changes_and_two_bodies_go_on() {
     let small = ["mesh.elements=[8,8]", "time.increments=6"];
-    taken_up(&scene(include_str!("../../data/scenes/held_by_contact.toml"), &small));
-    taken_up(&scene(include_str!("../../data/scenes/frictionless.toml"), &small));
-    taken_up(&scene(include_str!("../../data/scenes/wedge.toml"), &["time.increments=4"]));
+    taken_up(&scene(include_str!("../../../data/scenes/held_by_contact.toml"), &small));
+    taken_up(&scene(include_str!("../../../data/scenes/frictionless.toml"), &small));
+    taken_up(&scene(include_str!("../../../data/scenes/wedge.toml"), &["time.increments=4"]));
     taken_up(&scene(
-        include_str!("../../data/scenes/turning_load.toml"),
+        include_str!("../../../data/scenes/turning_load.toml"),
         &["time.end=0.25", "output.times=[0.25]", "time.increments=4"],
     ));
     taken_up(&scene(
-        include_str!("../../data/scenes/cycles.toml"),
+        include_str!("../../../data/scenes/cycles.toml"),
         &["time.end=8", "output.times=[8]", "time.increments=8"],
     ));
 }
@@ -94,7 +94,7 @@ fn bodies_that_contact_holds_friction_that_changes_and_two_bodies_go_on() {
 /// On tables that have changed by rank one, and on factors of the last statuses.
 #[test]
 fn exact_paths_go_on_to_the_last_bit() {
-    const CYCLES: &str = include_str!("../../data/scenes/cycles.toml");
+    const CYCLES: &str = include_str!("../../../data/scenes/cycles.toml");
     let scenes: [(&str, &[&str]); 2] = [
         (BLOCK, &["mesh.elements=[8,8]", "time.increments=8"]),
         (CYCLES, &["mesh.elements=[6,6]", "time.end=8", "time.increments=12", "output.times=[8]"]),

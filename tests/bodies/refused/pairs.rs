@@ -2,7 +2,7 @@
 
 use crate::common::prelude::*;
 
-const TWO_BLOCKS: &str = include_str!("../../data/scenes/two_blocks.toml");
+const TWO_BLOCKS: &str = include_str!("../../../data/scenes/two_blocks.toml");
 
 const READ: &str = r#"
 friction = 0.2¶ | friction = 0.2¶obstacle = { kind = "plane" }¶ | against = | both an obstacle and a boundary |

@@ -59,9 +59,9 @@ fn hexahedra_and_tetrahedra() {
     }
 }
 
-const TRIANGLES: &str = include_str!("../../data/meshes/square_triangles.msh");
-const QUADS: &str = include_str!("../../data/meshes/plate_quads_mm.msh");
-const HEXAHEDRA: &str = include_str!("../../data/meshes/cube_hexahedra.msh");
+const TRIANGLES: &str = include_str!("../../../data/meshes/square_triangles.msh");
+const QUADS: &str = include_str!("../../../data/meshes/plate_quads_mm.msh");
+const HEXAHEDRA: &str = include_str!("../../../data/meshes/cube_hexahedra.msh");
 
 fn refused(text: &str) -> MeshFileError {
     from_gmsh("bad.msh", text.as_bytes(), 1.0).unwrap_err()

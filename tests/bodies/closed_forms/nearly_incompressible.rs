@@ -1,6 +1,6 @@
 //! What elements are worth near ν = 1/2 beyond forces: stresses, contact pressures, and bending with compressible materials.
 
-use super::axisymmetric_bodies::ring;
+use crate::closed_forms::axisymmetric_bodies::ring;
 use crate::common::prelude::*;
 
 const YOUNG: f64 = 6e6;

@@ -3,8 +3,8 @@
 use crate::common::prelude::*;
 use std::fmt::Write as _;
 
-use super::common::mesh_files::inp;
-use super::mesh_formats::{from_least, of_all_kinds};
+use crate::common::mesh_files::inp;
+use crate::files::mesh_formats::{from_least, of_all_kinds};
 
 fn read(text: &str) -> Mesh {
     MeshFormat::Abaqus.parse("part.inp", text.as_bytes(), 1.0).unwrap()

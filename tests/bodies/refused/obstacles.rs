@@ -1,7 +1,7 @@
 //! What is wrong with the obstacles and the friction of a scene.
 
-use super::surfaces::{Triangle, ascii, binary};
 use crate::common::prelude::*;
+use crate::contact::surfaces::{Triangle, ascii, binary};
 
 const OF_THE_BLOCK: &str = r#"
 friction = 0.4 | friction = "0.4 * r" | friction = | `r` is neither x, y nor z | Coulomb's coefficient

@@ -1,8 +1,8 @@
 //! Contact of bodies of revolution. Figures without a closed form are those of a program that shares nothing with this one.
 
-use crate::axisymmetric_bodies::{ELEMENTS, ring, solved};
+use crate::closed_forms::axisymmetric_bodies::{ELEMENTS, ring, solved};
 use crate::common::prelude::*;
-use crate::second_order_contact::hertz::{alternating, graded, keep_zone};
+use crate::contact::second_order_contact::hertz::{alternating, graded, keep_zone};
 
 /// A cylinder of radius and height 1 on its base under a parabola.
 fn cylinder(cells: &str, n: usize, element: &str, poisson: f64, friction: f64) -> Scene {

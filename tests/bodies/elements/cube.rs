@@ -257,7 +257,7 @@ fn turn([x, y, z]: [f64; 3]) -> [f64; 3] {
 /// The whole scene, mesh, loads and obstacle, turned: results turn with it, iterations stay.
 #[test]
 fn a_turned_scene_gives_turned_results() {
-    let text = include_str!("../../data/meshes/cube_hexahedra.msh");
+    let text = include_str!("../../../data/meshes/cube_hexahedra.msh");
     let solve_turned = |name: &str, turn: &dyn Fn([f64; 3]) -> [f64; 3]| {
         let nodes = text.find("$Nodes").unwrap()..text.find("$EndNodes").unwrap();
         let line = |line: &str| match line.split(' ').map(str::parse).collect::<Result<Vec<f64>, _>>() {

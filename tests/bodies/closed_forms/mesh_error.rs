@@ -1,6 +1,6 @@
 //! The error of the mesh in the energy norm beside what a run says of it. doc/method/estimates.md has the figures, which `--nocapture` prints.
 
-use super::estimates::solved;
+use crate::closed_forms::estimates::solved;
 use crate::common::prelude::*;
 use crate::common::solve;
 use stickslip::body::ElementEstimate;

@@ -1,7 +1,7 @@
 //! Meshes from arrays: the block by its arrays is the block, and what is no mesh is refused.
 
-use super::description::{paper_block, refused};
 use crate::common::prelude::*;
+use crate::refused::descriptions::{paper_block, refused};
 
 /// A block by its arrays, with the facets of its boundaries turned and in disorder, is the block.
 #[test]

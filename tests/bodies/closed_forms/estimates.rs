@@ -160,7 +160,7 @@ fn edges_of_obstacles_are_told_from_roundings() {
     for (formula, expected) in cases {
         let formula = format!("contact.obstacle.formula=\"{formula}\"").parse().unwrap();
         let increments = "time.increments=1".parse().unwrap();
-        let text = include_str!("../../data/tutorials/punch.toml");
+        let text = include_str!("../../../data/tutorials/punch.toml");
         let scene = Scene::parse("punch.toml", text, &[formula, increments]).unwrap();
         let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
         let of_peak = [WarningKind::SingularEdge, WarningKind::PeakScatter];

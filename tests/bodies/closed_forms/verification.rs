@@ -62,7 +62,7 @@ fn hertz_cylinder() {
 fn indenting_wedge(elements: usize) -> [f64; 2] {
     let slope = 1e-3_f64;
     let cylinder = "kind = \"cylinder\"\nradius = 100.0                  # m";
-    let text = include_str!("../../data/scenes/hertz_line.toml");
+    let text = include_str!("../../../data/scenes/hertz_line.toml");
     assert!(text.contains(cylinder));
     let text = text.replace(cylinder, &format!("kind = \"wedge\"\nangle = {}", slope.atan()));
     let mesh = [("contact_elements", elements), ("outer_elements", elements), ("layers", 4 + elements / 2)];
@@ -110,7 +110,7 @@ fn hertz_sphere(n: usize) -> [f64; 3] {
 /// the tip.
 fn indenting_cone(n: usize) -> [f64; 2] {
     let slope = 1e-3_f64;
-    let text = include_str!("../../data/scenes/hertz_sphere.toml");
+    let text = include_str!("../../../data/scenes/hertz_sphere.toml");
     let sphere = "kind = \"sphere\"\nradius = 100.0                  # m";
     let approach = "[1, 1e-4]";
     assert!(text.contains(sphere) && text.contains(approach));

@@ -1,7 +1,7 @@
 //! Bodies beside each other: each has the motions and the answer that it has alone.
 
-use super::scene_bodies::TWO;
 use crate::common::prelude::*;
+use crate::refused::bodies::TWO;
 use stickslip::base::UnitSystem;
 use stickslip::body::constraints::{Tie, unresisted_motions};
 use stickslip::body::fem::overlaps;

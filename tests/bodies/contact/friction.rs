@@ -1,7 +1,7 @@
 //! Friction that differs from place to place, and with time.
 
-use super::fronts::{divided, pushed, solved};
 use crate::common::prelude::*;
+use crate::contact::fronts::{divided, pushed, solved};
 
 /// On a belt that runs, every node slides with the friction of its own place.
 #[test]

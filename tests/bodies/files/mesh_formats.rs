@@ -1,6 +1,6 @@
 //! One mesh in every format of Gmsh: text and binary, old and new, whole, damaged and partitioned.
 
-use super::common::mesh_files::{Msh, msh};
+use crate::common::mesh_files::{Msh, msh};
 use crate::common::prelude::*;
 
 /// Returns a mesh of each kind of cells, with boundaries.
@@ -146,7 +146,7 @@ fn tags_of_msh_2() {
 /// The entities of partitions have groups of their own in MSH 4.1.
 #[test]
 fn partitions() {
-    let text = include_str!("../../data/meshes/plate_quads_mm.msh");
+    let text = include_str!("../../../data/meshes/plate_quads_mm.msh");
     let whole = from_gmsh("whole.msh", text.as_bytes(), 1.0).unwrap();
     let entities =
         "$PartitionedEntities\n2\n1\n9 2\n0 0 0 1\n7 2 1 1 2 0 0 0 1 1 1 1 1 0\n$EndPartitionedEntities\n$Nodes";
