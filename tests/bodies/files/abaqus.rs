@@ -37,54 +37,7 @@ fn all_kinds_of_elements_with_their_sides() {
 }
 
 /// A hexahedron with curved edges, and a quadrilateral.
-const BENT: [&str; 2] = [
-    "*NODE
-1, -0.9, -0.6, -1.1
-2, 1.1, -1.4, -0.7
-3, 1.1, 0.8, -1.1
-4, -0.9, 1.2, -0.7
-5, -0.7, -0.6, 1.3
-6, 1.3, -1.4, 0.9
-7, 1.3, 0.8, 1.3
-8, -0.7, 1.2, 0.9
-9, 0.1, -1, -1
-10, 0.9, -0.3, -0.9
-11, 0.1, 1, -1
-12, -1.1, 0.3, -0.9
-13, 0.3, -1, 1
-14, 1.1, -0.3, 1.1
-15, 0.3, 1, 1
-16, -0.9, 0.3, 1.1
-17, -0.8, -0.6, 0.1
-18, 1.2, -1.4, 0.1
-19, 1.2, 0.8, 0.1
-20, -0.8, 1.2, 0.1
-*ELEMENT, TYPE=C3D20, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7,
-8, 9, 10, 11, 12, 13, 14, 15,
-16, 17, 18, 19, 20
-*NSET, NSET=LOW
-1, 2, 3, 4, 9, 10, 11, 12
-*NSET, NSET=HIGH
-5, 6, 7, 8, 13, 14, 15, 16
-",
-    "*NODE
-1, -0.8, -0.6
-2, 1.2, -1.4
-3, 1.2, 0.8
-4, -0.8, 1.2
-5, 0.2, -1
-6, 1, -0.3
-7, 0.2, 1
-8, -1, 0.3
-*ELEMENT, TYPE=CPE8, ELSET=E
-1, 1, 2, 3, 4, 5, 6, 7, 8
-*NSET, NSET=LOW
-1, 2, 5
-*NSET, NSET=HIGH
-3, 4, 7
-",
-];
+const BENT: [&str; 2] = [include_str!("data/bent_hexahedron.inp"), include_str!("data/bent_quadrilateral.inp")];
 
 /// The forces that move one side of an element of second order are those of CalculiX 2.20 for the same file.
 #[test]
@@ -112,53 +65,7 @@ fn forces_of_calculix() {
 }
 
 /// Two quadrilaterals above each other, 1 by 1 each.
-const TOWER: &str = "*HEADING
-A tower
-*NODE, NSET=all
- 1, 0., 0.
- 2, 1., 0., 0.
-** a comment
- 3, 0., 1.D0
- 4, 1., 1.
- 5, 0., 20e-1
- 6, 1., 2.
-
- 99, 7., 7.
-*Element, Type=cpe4r,
-  elset = Lower
- 10, 1, 2,
-   4, 3
-*ELEMENT, TYPE=CPE4, ELSET=UPPER
- 20, 3, 4, 6, 5
-*NSET, NSET=foot
- 1, 2,
-*nset, nset=Right, generate
- 2, 6, 2
-*NSET, NSET=ROOF, ELSET=UPPER
-*NSET, NSET=TIP
- 6
-*ELSET, ELSET=Both, GENERATE
- 10, 20, 10
-*ELSET, ELSET=AGAIN
- BOTH, LOWER
-*SURFACE, NAME=left
- both, S4
-*SURFACE, NAME=OUTER, TYPE=ELEMENT
- AGAIN,
-*SURFACE, NAME=NODES, TYPE=NODE
- FOOT, 1.
-*SURFACE, NAME=ROLLER, TYPE=CYLINDER
- 0., 0., 1., 0., 0., 1.
-*SOLID SECTION, ELSET=LOWER, MATERIAL=A
- 1.
-*SOLIDSECTION, ELSET=UPPER, MATERIAL=B
-*MATERIAL, NAME=A
-*ELASTIC
- 1., 0.3
-*MATERIAL, NAME=B
-*STEP
-*END STEP
-";
+const TOWER: &str = include_str!("data/tower.inp");
 
 #[test]
 fn sets_and_surfaces_are_groups_and_boundaries() {
