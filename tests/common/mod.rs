@@ -6,6 +6,7 @@ pub mod convergence;
 pub mod faults;
 pub mod hertz;
 pub mod mesh_files;
+pub mod nodes;
 pub mod pairs;
 pub mod prelude;
 pub mod random;

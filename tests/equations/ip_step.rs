@@ -24,16 +24,15 @@ fn formulation(model: &Model, partition: Partition) -> Constrained {
     let mut formulation = Constrained::new(problem, model.scaling(), &conventions, partition);
     let force = model.loading.force_at(0.7, problem).unwrap();
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
-    formulation.begin(
-        &Increment {
-            force: &force,
-            gap: model.loading.gap(),
-            mu: model.problem.mu(),
-            w_t_last: &w_t_last,
-            w_o_last: &vec![0.0; w_t_last.len()],
-        },
-        &vec![0.0; formulation.unknowns()],
-    );
+    let w_o_last = vec![0.0; w_t_last.len()];
+    let increment = Increment {
+        force: &force,
+        gap: model.loading.gap(),
+        mu: problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &w_o_last,
+    };
+    formulation.begin(&increment, &vec![0.0; formulation.unknowns()]);
     formulation
 }
 

@@ -73,20 +73,7 @@ fn one_node() {
         ([0.0, -1.0], 1.5 / 1.75, 0.0, 0.0),
     ] {
         let entries = [(0, 0, 2.0), (1, 0, 1.5), (1, 1, 2.0)];
-        let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
-        let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
-        let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
-        let c_o = Csr::empty(1, 2).unwrap();
-        let problem = ContactProblem::new(Parts {
-            stiffness: stiffness.into(),
-            c_n,
-            c_t,
-            c_o,
-            mu: vec![mu],
-            weight: Some(vec![1.0]),
-            rigid_modes: Some(Vec::new()),
-        })
-        .unwrap();
+        let problem = common::nodes::node(2, &entries, [&[(1, 1.0)], &[(0, 1.0)], &[]], mu);
         let case = LoadCase::new(force.to_vec(), vec![[0.0, 0.0], [1.0, 1.0]]).unwrap();
         let loading = Loading::new(vec![case], vec![0.0]).unwrap();
         let method = Method::Bn { r_factor: 1.0, rescue: false };

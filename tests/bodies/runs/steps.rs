@@ -29,53 +29,48 @@ fn built_in() -> impl Iterator<Item = LinearAlgebra> {
     LinearAlgebra::WORDS.into_iter().map(|(_, linear)| linear).filter(|linear| linear.is_built_in())
 }
 
-fn norm(a: &[f64]) -> f64 {
-    a.iter().fold(0.0, |m, x| x.abs().max(m))
+/// The largest difference of displacements, or of normal forces.
+fn distance(a: &State, b: &State) -> f64 {
+    apart(&a.u, &b.u).max(apart(&a.p_n, &b.p_n))
 }
 
-fn distance(a: &[f64], b: &[f64]) -> f64 {
-    let difference: Vec<_> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    norm(&difference) / norm(b)
+/// Passes with the model, its times and the settings of each method, with every linear algebra of this build.
+fn with_all(methods: &[Method], test: impl Fn(&Model, &[f64], &HistorySettings, LinearAlgebra)) {
+    let (model, times) = model();
+    for method in methods {
+        let settings = settings_of(&model, *method);
+        built_in().for_each(|linear| test(&model, &times, &settings, linear));
+    }
 }
 
 #[test]
 fn under_the_loads_of_the_history_single_increments_are_those_of_the_history_to_the_last_bit() {
-    let (model, times) = model();
-    for method in [Method::BN, Method::PaperBn, Method::Ip] {
-        let settings = settings_of(&model, method);
-        for linear in built_in() {
-            let whole = history(&model, &times, &settings, linear);
-            let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
-            for (time, expected) in times.iter().zip(&whole.increments) {
-                let mut one = Recording::all();
-                let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
-                let [one] = &one.increments[..] else { panic!("{} increments", one.increments.len()) };
-                assert_eq!(one.state, expected.state, "{method} {linear} at {time}");
-                assert_eq!(one.record.kkt, expected.record.kkt);
-                assert_eq!(
-                    (one.record.index, one.record.iterations),
-                    (expected.record.index, expected.record.iterations)
-                );
-                assert_eq!((outcome.reached, outcome.tally.increments), (*time, expected.record.index));
-            }
+    with_all(&[Method::BN, Method::PaperBn, Method::Ip], |model, times, settings, linear| {
+        let whole = history(model, times, settings, linear);
+        let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
+        for (time, expected) in times.iter().zip(&whole.increments) {
+            let mut one = Recording::all();
+            let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
+            let [one] = &one.increments[..] else { panic!("{} increments", one.increments.len()) };
+            assert_eq!(one.state, expected.state, "{} {linear} at {time}", settings.method);
+            assert_eq!(one.record.kkt, expected.record.kkt);
+            assert_eq!((one.record.index, one.record.iterations), (expected.record.index, expected.record.iterations));
+            assert_eq!((outcome.reached, outcome.tally.increments), (*time, expected.record.index));
         }
-    }
+    });
 }
 
 #[test]
 fn an_increment_needs_the_loads_of_its_two_ends_only() {
-    let (model, times) = model();
-    let settings = settings_of(&model, Method::BN);
-    for linear in built_in() {
-        let whole = history(&model, &times, &settings, linear);
+    with_all(&[Method::BN], |model, times, settings, linear| {
+        let whole = history(model, times, settings, linear);
         let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
         for (time, expected) in times.iter().zip(&whole.increments) {
-            let state = stepper.step(&between(&model, stepper.time(), *time), *time, &mut ()).unwrap().state;
-            let of = |errors: [f64; 2]| errors[0].max(errors[1]);
-            let error = of([distance(&state.u, &expected.state.u), distance(&state.p_n, &expected.state.p_n)]);
+            let state = stepper.step(&between(model, stepper.time(), *time), *time, &mut ()).unwrap().state;
+            let error = distance(&state, &expected.state);
             assert!(error < 1e-12, "{linear} at {time}: {error:e}");
         }
-    }
+    });
 }
 
 /// A step needs the factorisations of an increment of a history and no others, with the loads of the history and with new nodal forces
@@ -143,29 +138,23 @@ fn an_increment_that_failed_is_tried_again_from_where_the_last_one_ended() {
 /// Also from the undeformed body, and after several increments that are taken back.
 #[test]
 fn increments_that_were_taken_back_leave_nothing_behind() {
-    let (model, times) = model();
-    for method in [Method::BN, Method::PaperBn, Method::Ip] {
-        let settings = settings_of(&model, method);
-        for linear in built_in() {
-            let whole = history(&model, &times, &settings, linear);
-            let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
-            for (time, expected) in times.iter().zip(&whole.increments) {
-                let (before, begun) = (stepper.save(), stepper.time());
-                for _ in 0..2 {
-                    // Other loads, and two increments of them.
-                    stepper.step(&between(&model, begun, time + 0.5), time + 0.5, &mut ()).unwrap();
-                    stepper.step(&model.loading, time + 1.0, &mut ()).unwrap();
-                    stepper.restore(&before).unwrap();
-                    assert_eq!(stepper.time().to_bits(), begun.to_bits());
-                }
-                let mut one = Recording::all();
-                let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
-                assert_eq!(outcome.tally.increments, expected.record.index);
-                let of = |errors: [f64; 2]| errors[0].max(errors[1]);
-                let state = &one.increments[0].state;
-                let error = of([distance(&state.u, &expected.state.u), distance(&state.p_n, &expected.state.p_n)]);
-                assert!(error < 1e-10, "{method} {linear} at {time}: {error:e}");
+    with_all(&[Method::BN, Method::PaperBn, Method::Ip], |model, times, settings, linear| {
+        let whole = history(model, times, settings, linear);
+        let mut stepper = Stepper::new(&model.problem, settings.clone(), linear.into()).unwrap();
+        for (time, expected) in times.iter().zip(&whole.increments) {
+            let (before, begun) = (stepper.save(), stepper.time());
+            for _ in 0..2 {
+                // Other loads, and two increments of them.
+                stepper.step(&between(model, begun, time + 0.5), time + 0.5, &mut ()).unwrap();
+                stepper.step(&model.loading, time + 1.0, &mut ()).unwrap();
+                stepper.restore(&before).unwrap();
+                assert_eq!(stepper.time().to_bits(), begun.to_bits());
             }
+            let mut one = Recording::all();
+            let outcome = stepper.step(&model.loading, *time, &mut one).unwrap();
+            assert_eq!(outcome.tally.increments, expected.record.index);
+            let error = distance(&one.increments[0].state, &expected.state);
+            assert!(error < 1e-10, "{} {linear} at {time}: {error:e}", settings.method);
         }
-    }
+    });
 }
