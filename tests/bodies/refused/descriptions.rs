@@ -133,34 +133,6 @@ fn nonsense_in_the_plane() {
             "positive",
         ),
         (with(&|d| d.element = Element::BBar).in_plane_stress(), "mesh.element", "\"stress\""),
-        (material(Material::new(0.0, 0.3)), "material.young", "positive"),
-        (material(Material::new(f64::INFINITY, 0.3)), "material.young", "finite"),
-        (material(Material::new(1e9, 0.5)), "material.poisson", "below 0.5"),
-        (
-            material(Material { layers: vec![layer, Layer { thickness: -0.1, ..layer }], ..steel() }),
-            "material.layers[1]",
-            "thickness",
-        ),
-        (
-            material(Material { layers: vec![Layer { thickness: 5.0, ..layer }, layer], ..steel() }),
-            "material.layers[1]",
-            "no element",
-        ),
-        (
-            material(Material { groups: vec![group("body"), group("body")], ..steel() }),
-            "material.group[1].name",
-            "already",
-        ),
-        (
-            material(Material { groups: vec![group("core")], ..steel() }),
-            "material.group[0].name",
-            "no material group `core`",
-        ),
-        (
-            material(Material { groups: vec![group("body")], layers: vec![layer], ..steel() }),
-            "material.layers",
-            "layers and groups",
-        ),
         (paper_block().support("right", &[]), "support[1].fix", "holds nothing"),
         (paper_block().support("right", &[Axis::Z]), "support[1].fix", "holds z"),
         (paper_block().support("rigth", &[Axis::X]), "support[1].boundary", "no boundary `rigth`"),
@@ -169,49 +141,7 @@ fn nonsense_in_the_plane() {
         (paper_block().contact("bottom", 0.1, plane()), "contact[1].boundary", "already"),
         (paper_block().contact("down", 0.1, plane()), "contact[1].boundary", "no boundary `down`"),
         (paper_block().contact("left", 0.1, plane()), "contact[1].boundary", "supports hold every node"),
-        (contact(Obstacle::plane(f64::NAN)), "contact[0].obstacle.gap", "finite"),
         (contact(Obstacle::plane(-1e-6)), "contact[0].boundary", "supports hold the body where the obstacle is"),
-        (contact(Obstacle::plane(-0.5)), "contact[0].obstacle", "inside the body"),
-        (contact(Obstacle::at_rest(round(-1.0))), "contact[0].obstacle.radius", "positive"),
-        (contact(Obstacle { normal: Some([0.0; 2].into()), ..plane() }), "contact[0].obstacle.normal", "[0.0, 0.0]"),
-        (contact(Obstacle { normal: Some([0.0, 1.0].into()), ..plane() }), "contact[0].obstacle", "into the body"),
-        (
-            contact(Obstacle { normal: Some([0.0, -1.0, 1.0].into()), ..plane() }),
-            "contact[0].obstacle",
-            "leaves the plane",
-        ),
-        (
-            contact(Obstacle { tangent: Some([1.0, 0.0].into()), ..plane() }),
-            "contact[0].obstacle.tangent",
-            "right angles",
-        ),
-        (contact(Obstacle { direction: GapDirection::Nearest, ..plane() }), "contact[0].obstacle.direction", "nearest"),
-        (contact(plane().approaching(&[])), "contact[0].obstacle.approach", "empty"),
-        (
-            contact(plane().approaching(&[[1.0, 0.0], [0.0, 1.0]])),
-            "contact[0].obstacle.approach",
-            "times must increase",
-        ),
-        (
-            contact(Obstacle { translation: Some(vec![(f64::NAN, [0.0; 2].into())]), ..plane() }),
-            "contact[0].obstacle.motion.translation",
-            "increasing times",
-        ),
-        (
-            contact(Obstacle { rotation: Some(rotation(Vec::new())), ..plane() }),
-            "contact[0].obstacle.motion.rotation.history",
-            "empty",
-        ),
-        (
-            contact(Obstacle::at_rest(Shape::Formula(Formula::parse("sqrt(x - 0.5)").unwrap()))),
-            "contact[0].obstacle",
-            "no finite value",
-        ),
-        (
-            contact(Obstacle::at_rest(Shape::Table { file: "none.csv".into(), scale: 1.0 })),
-            "contact[0].obstacle",
-            "cannot be read",
-        ),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0])), "load[1].traction", "two or three"),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0, f64::NAN])), "load[1].traction", "two or three finite"),
         (with(&|d| d.loads[1] = Load::new("right", &[1.0; 3])), "load[1].traction", "3 components"),
@@ -223,6 +153,40 @@ fn nonsense_in_the_plane() {
         (with(&|d| d.times[39] = f64::NAN), "times", "NaN"),
     ] {
         refused(&description, key, says);
+    }
+    for (found, key, says) in [
+        (Material::new(0.0, 0.3), "young", "positive"),
+        (Material::new(f64::INFINITY, 0.3), "young", "finite"),
+        (Material::new(1e9, 0.5), "poisson", "below 0.5"),
+        (Material { layers: vec![layer, Layer { thickness: -0.1, ..layer }], ..steel() }, "layers[1]", "thickness"),
+        (Material { layers: vec![Layer { thickness: 5.0, ..layer }, layer], ..steel() }, "layers[1]", "no element"),
+        (Material { groups: vec![group("body"), group("body")], ..steel() }, "group[1].name", "already"),
+        (Material { groups: vec![group("core")], ..steel() }, "group[0].name", "no material group `core`"),
+        (Material { groups: vec![group("body")], layers: vec![layer], ..steel() }, "layers", "layers and groups"),
+    ] {
+        refused(&material(found), &format!("material.{key}"), says);
+    }
+    for (obstacle, key, says) in [
+        (Obstacle::plane(f64::NAN), ".gap", "finite"),
+        (Obstacle::plane(-0.5), "", "inside the body"),
+        (Obstacle::at_rest(round(-1.0)), ".radius", "positive"),
+        (Obstacle { normal: Some([0.0; 2].into()), ..plane() }, ".normal", "[0.0, 0.0]"),
+        (Obstacle { normal: Some([0.0, 1.0].into()), ..plane() }, "", "into the body"),
+        (Obstacle { normal: Some([0.0, -1.0, 1.0].into()), ..plane() }, "", "leaves the plane"),
+        (Obstacle { tangent: Some([1.0, 0.0].into()), ..plane() }, ".tangent", "right angles"),
+        (Obstacle { direction: GapDirection::Nearest, ..plane() }, ".direction", "nearest"),
+        (plane().approaching(&[]), ".approach", "empty"),
+        (plane().approaching(&[[1.0, 0.0], [0.0, 1.0]]), ".approach", "times must increase"),
+        (
+            Obstacle { translation: Some(vec![(f64::NAN, [0.0; 2].into())]), ..plane() },
+            ".motion.translation",
+            "increasing times",
+        ),
+        (Obstacle { rotation: Some(rotation(Vec::new())), ..plane() }, ".motion.rotation.history", "empty"),
+        (Obstacle::at_rest(Shape::Formula(Formula::parse("sqrt(x - 0.5)").unwrap())), "", "no finite value"),
+        (Obstacle::at_rest(Shape::Table { file: "none.csv".into(), scale: 1.0 }), "", "cannot be read"),
+    ] {
+        refused(&contact(obstacle), &format!("contact[0].obstacle{key}"), says);
     }
 }
 
