@@ -35,7 +35,7 @@ pub fn node_on_springs(k: f64, mu: f64) -> ContactProblem {
 /// What histories take.
 #[derive(Default)]
 pub struct Count {
-    increments: usize,
+    pub increments: usize,
     iterations: usize,
     pub most: usize,
     backtracks: usize,

@@ -1,5 +1,6 @@
 //! Three dimensions as a whole: the cube under the paper's loads, slabs that are plane, scenes that are turned.
 
+use crate::common::nodes::Count;
 use crate::common::prelude::*;
 
 /// BN on condensed matrices, which solves each increment as it stands.
@@ -47,60 +48,49 @@ fn larger_cubes_by_bn() {
 
 /// At most so many iterations an increment on cubes of these sizes.
 fn iterations_by_bn(sizes: &[usize], most: f64) {
-    let (mut iterations, mut increments) = (0, 0);
+    let mut count = Count::default();
     for scene in sizes.iter().flat_map(|&n| cubes(n)) {
         let (_, outcome, _) = solve(&scene);
         assert!(outcome.records.iter().all(|r| !r.rescued), "{scene:?}");
-        iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
-        increments += outcome.records.len();
+        count.add(&outcome);
     }
-    let mean = iterations as f64 / increments as f64;
-    println!("{sizes:?}: {mean} iterations an increment");
-    assert_eq!(increments, 144 * sizes.len());
-    assert!(mean <= most, "{mean}");
+    println!("{sizes:?}: {count}");
+    assert_eq!(count.increments, 144 * sizes.len());
+    assert!(count.mean() <= most, "{count}");
 }
 
 /// The interior point method, from a cold start in each increment, ends where BN ends.
 #[test]
 fn cubes_by_the_interior_point_method() {
-    let (mut iterations, mut increments) = (0, 0);
+    let mut count = Count::default();
     for scene in [4, 6].into_iter().flat_map(cubes) {
         let (model, _, by_bn) = solve(&scene);
         let settings = undivided(&model, &scene, Method::Ip);
-        let linear = SystemSolver::from(LinearAlgebra::condensed());
-        let mut by_ip = Keep::default();
-        let times = scene.time.all();
-        let outcome = history_of(&model, &times, &settings, linear, &mut by_ip);
+        let (outcome, by_ip) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
-        iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
-        increments += outcome.records.len();
+        count.add(&outcome);
         let difference = largest_difference(&forces(&model, &by_ip), &forces(&model, &by_bn));
         assert!(difference < 1e-8, "{difference:e}: {scene:?}");
     }
-    let mean = iterations as f64 / increments as f64;
-    println!("{mean} iterations an increment");
-    assert!(increments == 288 && mean <= 15.0, "{mean}");
+    println!("{count}");
+    assert!(count.increments == 288 && count.mean() <= 15.0, "{count}");
 }
 
 /// The setting of the paper, with its one r for all cubes and R, ends at the same forces.
 #[test]
 fn cubes_in_the_setting_of_the_paper() {
-    let (mut iterations, mut increments) = (0, 0);
+    let mut count = Count::default();
     for scene in cubes(4) {
         let (model, _, by_default) = solve(&scene);
         // It stops by its own test, with errors up to 1e-6.
         let settings = settings_of(&model, Method::PaperBn).until(200, 1e-6);
-        let linear = SystemSolver::from(LinearAlgebra::condensed());
-        let mut by_paper = Keep::default();
-        let times = scene.time.all();
-        let outcome = history_of(&model, &times, &settings, linear, &mut by_paper);
+        let (outcome, by_paper) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
-        iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
-        increments += outcome.records.len();
+        count.add(&outcome);
         let difference = largest_difference(&forces(&model, &by_paper), &forces(&model, &by_default));
         assert!(difference < 1e-5, "{difference:e}: {scene:?}");
     }
-    println!("{} iterations an increment", iterations as f64 / increments as f64);
+    println!("{count}");
 }
 
 /// Nearly incompressible elements that do not lock, and a layer a million times softer: BN needs neither parts nor rescue.
@@ -113,18 +103,16 @@ fn uneven_cubes() {
         &["mesh.element=\"b-bar\"".to_string(), incompressible("0.499999")],
         &[format!("material.layers={soft}")],
     ] {
-        let (mut iterations, mut increments) = (0, 0);
+        let mut count = Count::default();
         for mu in [0.1, 0.4, 0.8, 2.0] {
             let mu = format!("contact.friction={mu}");
             let overrides = ["mesh.elements=[4,4,4]", &mu].into_iter().chain(material.iter().map(String::as_str));
             let (_, outcome, _) = solve(&common::scene("cube.toml", &overrides.collect::<Vec<_>>()));
             assert!(outcome.records.iter().all(|r| !r.rescued), "{mu} {material:?}");
-            iterations += outcome.records.iter().map(|r| r.iterations).sum::<usize>();
-            increments += outcome.records.len();
+            count.add(&outcome);
         }
-        let mean = iterations as f64 / increments as f64;
-        println!("{material:?}: {mean}");
-        assert!(mean < 4.2, "{material:?}: {mean}");
+        println!("{material:?}: {count}");
+        assert!(count.mean() < 4.2, "{material:?}: {count}");
     }
 }
 
@@ -173,8 +161,7 @@ fn a_slab_is_plane() {
     let elements = format!("mesh.elements=[{n},1,{n}]");
     let held = "[[support]]\nboundary = \"front\"\nfix = [\"y\"]\n[[support]]\nboundary = \"back\"\nfix = [\"y\"]\n";
     let text = CUBE.to_string() + held;
-    let overrides = [&size, &elements, "load[2].traction=[0,0,0]"].map(|text| text.parse().unwrap());
-    let slab = Scene::parse("slab.toml", &text, &overrides).unwrap();
+    let slab = parsed_with(&text, &[&size, &elements, "load[2].traction=[0,0,0]"]);
     let ((plane, flat, flat_states), space) = (solve(&block), discretise(&slab).unwrap());
     let in_plane = |contact: &ContactNode| {
         plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
@@ -184,12 +171,9 @@ fn a_slab_is_plane() {
     let natural = FormulationScaling::natural(&plane.problem);
     let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
-    let (linear, mut thick_states) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
-    let times = slab.time.all();
-    let thick = history_of(&space, &times, &settings, linear, &mut thick_states);
+    let (thick, thick_states) = kept(&space, &slab.time.all(), &settings, LinearAlgebra::condensed());
     assert_eq!(thick.status, Status::Converged);
-    let counts = |outcome: &HistoryOutcome| -> Vec<_> { outcome.records.iter().map(|r| r.iterations).collect() };
-    assert_eq!(counts(&flat), counts(&thick));
+    assert_eq!(iterations(&flat), iterations(&thick));
     assert_eq!(space.contacts.len(), 2 * plane.contacts.len());
     for (flat, thick) in flat_states.states.iter().zip(&thick_states.states) {
         let largest = largest(&flat.p_n);

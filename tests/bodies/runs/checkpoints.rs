@@ -21,8 +21,11 @@ impl Observer for All {
     }
 }
 
-fn scene(text: &str, set: &[&str]) -> Scene {
-    parsed_with(text, set)
+/// The linear algebras of this build, as a scene says them.
+fn linear() -> impl Iterator<Item = String> {
+    let words = ["umfpack", "faer", "condensed", "condensed-faer"].into_iter();
+    let built_in = words.filter(|word| word.parse::<LinearAlgebra>().unwrap().is_built_in());
+    built_in.map(|word| format!("solver.linear=\"{word}\""))
 }
 
 /// Takes the run of a scene up from each of its checkpoints; gives how many there were.
@@ -60,15 +63,12 @@ fn each_method_on_each_linear_algebra_goes_on_to_the_last_bit() {
         &["solver.method=\"ip\"", "solver.setting=\"paper\""],
     ];
     for method in methods {
-        for linear in ["umfpack", "faer", "condensed", "condensed-faer"] {
-            if !linear.parse::<LinearAlgebra>().unwrap().is_built_in() {
-                continue;
-            }
-            let linear = format!("solver.linear=\"{linear}\"");
-            let block = scene(BLOCK, &[&["mesh.elements=[8,8]", "time.increments=8", &linear], method].concat());
+        for linear in linear() {
+            let block = parsed_with(BLOCK, &[&["mesh.elements=[8,8]", "time.increments=8", &linear], method].concat());
             assert!(taken_up(&block) >= 3);
             if method != ["solver.method=\"ip\"", "solver.setting=\"paper\""] {
-                let cube = scene(CUBE, &[&["mesh.elements=[3,3,3]", "time.increments=4", &linear], method].concat());
+                let cube =
+                    parsed_with(CUBE, &[&["mesh.elements=[3,3,3]", "time.increments=4", &linear], method].concat());
                 assert!(taken_up(&cube) >= 3);
             }
         }
@@ -78,14 +78,14 @@ fn each_method_on_each_linear_algebra_goes_on_to_the_last_bit() {
 #[test]
 fn bodies_that_contact_holds_friction_that_changes_and_two_bodies_go_on() {
     let small = ["mesh.elements=[8,8]", "time.increments=6"];
-    taken_up(&scene(include_str!("../../../data/scenes/held_by_contact.toml"), &small));
-    taken_up(&scene(include_str!("../../../data/scenes/frictionless.toml"), &small));
-    taken_up(&scene(include_str!("../../../data/scenes/wedge.toml"), &["time.increments=4"]));
-    taken_up(&scene(
+    taken_up(&parsed_with(include_str!("../../../data/scenes/held_by_contact.toml"), &small));
+    taken_up(&parsed_with(include_str!("../../../data/scenes/frictionless.toml"), &small));
+    taken_up(&parsed_with(include_str!("../../../data/scenes/wedge.toml"), &["time.increments=4"]));
+    taken_up(&parsed_with(
         include_str!("../../../data/scenes/turning_load.toml"),
         &["time.end=0.25", "output.times=[0.25]", "time.increments=4"],
     ));
-    taken_up(&scene(
+    taken_up(&parsed_with(
         include_str!("../../../data/scenes/cycles.toml"),
         &["time.end=8", "output.times=[8]", "time.increments=8"],
     ));
@@ -99,14 +99,12 @@ fn exact_paths_go_on_to_the_last_bit() {
         (BLOCK, &["mesh.elements=[8,8]", "time.increments=8"]),
         (CYCLES, &["mesh.elements=[6,6]", "time.end=8", "time.increments=12", "output.times=[8]"]),
     ];
-    for linear in ["umfpack", "faer", "condensed", "condensed-faer"] {
-        if !linear.parse::<LinearAlgebra>().unwrap().is_built_in() {
-            continue;
-        }
-        let linear = format!("solver.linear=\"{linear}\"");
+    for linear in linear() {
         for (text, set) in scenes {
-            let scene =
-                scene(text, &[set, &["solver.setting=\"default\"", "solver.method=\"events\"", &linear]].concat());
+            let scene = parsed_with(
+                text,
+                &[set, &["solver.setting=\"default\"", "solver.method=\"events\"", &linear]].concat(),
+            );
             assert_eq!(taken_up(&scene), scene.time.all().len());
         }
     }
@@ -119,7 +117,7 @@ fn working_sets_that_grow_go_on() {
         [[support]]\nboundary = \"bottom\"\nfix = [\"x\", \"y\"]\n[[contact]]\nboundary = \"top\"\nfriction = 0.3\n\
         obstacle = { kind = \"cylinder\", center = [2.0, 3.0], radius = 2.0, approach = [[0, 0], [3, 9e-2]] }\n\
         [time]\nend = 3\nincrements = 9\n";
-    let scene = scene(text, &[]);
+    let scene = parsed(text);
     let (model, times) = (discretise(&scene).unwrap(), scene.time.all());
     let settings = settings_of(&model, Method::BN);
     let settings = HistorySettings { working_set: Some(vec![20]), ..settings };
@@ -140,13 +138,15 @@ fn working_sets_that_grow_go_on() {
 
 #[test]
 fn what_is_no_checkpoint_of_this_run_is_refused() {
-    let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
+    let block = parsed_with(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
     let mut all = All::default();
     Run::new(&block).unwrap().solve(&mut all).unwrap();
     let checkpoint = Checkpoint::from_bytes(&all.checkpoints[1]).unwrap();
     let refused = |set: &[&str]| {
-        let other =
-            scene(BLOCK, &[&["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""], set].concat());
+        let other = parsed_with(
+            BLOCK,
+            &[&["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""], set].concat(),
+        );
         let run = Run::new(&other).unwrap().from(checkpoint.clone());
         match run.solve(&mut ()) {
             Err(RunError::History(history::Error::Checkpoint(error))) => error,
@@ -182,7 +182,7 @@ fn what_is_no_checkpoint_of_this_run_is_refused() {
 /// A history of one's own, without a run, over more increments than were asked for at first.
 #[test]
 fn a_history_goes_on_beyond_its_first_end() {
-    let block = scene(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
+    let block = parsed_with(BLOCK, &["mesh.elements=[6,6]", "time.increments=4", "solver.setting=\"default\""]);
     let model = discretise(&block).unwrap();
     let times = block.time.all();
     let settings = settings_of(&model, Method::BN);

@@ -1,18 +1,10 @@
 //! Friction at contact nodes that supports hold, while the other side moves past them.
 
 use super::whole;
+use crate::common::pairs::ways;
 use crate::common::prelude::*;
 
 const MU: f64 = 0.1;
-
-fn ways() -> [(Method, LinearAlgebra); 4] {
-    [
-        (Method::BN, LinearAlgebra::Condensed(SparseCholesky::default())),
-        (Method::BN, LinearAlgebra::Whole(SparseLu::default())),
-        (Method::Ip, LinearAlgebra::Whole(SparseLu::default())),
-        (Method::Ip, LinearAlgebra::Condensed(SparseCholesky::default())),
-    ]
-}
 
 /// The section of a ring between two radii, 20 mm long.
 fn section(radii: [f64; 2], n: [usize; 2], kind: CellKind) -> Mesh {
