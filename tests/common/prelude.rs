@@ -1,7 +1,7 @@
 //! What most tests use: the types of the library, and the helpers that stand beside this file.
 
 pub use super::runs::{
-    apart, bn, both, converged, forces_apart, history_of, iterations, kept, largest, settings_of, solved_by_bn,
+    apart, bn, both, converged, each, forces_apart, history_of, iterations, kept, largest, settings_of, solved_by_bn,
     solver_of,
 };
 pub use super::{

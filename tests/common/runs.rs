@@ -1,11 +1,13 @@
 //! Histories and runs of models, and how far apart their numbers are.
 
+use std::ops::ControlFlow;
+
 use stickslip::body::{Description, Model};
 use stickslip::run::Run;
 use stickslip::run::report::RunReport;
 use stickslip::solver::State;
 use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Observer, SolverChoice, Status};
-use stickslip::solver::history::{LinearAlgebra, SystemSolver};
+use stickslip::solver::history::{IncrementView, LinearAlgebra, SystemSolver};
 
 use super::Keep;
 
@@ -49,6 +51,18 @@ pub fn kept(
 ) -> (HistoryOutcome, Keep) {
     let mut keep = Keep::default();
     (history_of(model, times, settings, linear, &mut keep), keep)
+}
+
+/// An observer that passes each increment on.
+pub fn each(see: impl FnMut(&IncrementView<'_>)) -> impl Observer {
+    struct Each<F>(F);
+    impl<F: FnMut(&IncrementView<'_>)> Observer for Each<F> {
+        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+            (self.0)(step);
+            ControlFlow::Continue(())
+        }
+    }
+    Each(see)
 }
 
 /// The report of a run, which has converged.

@@ -49,22 +49,16 @@ fn a_block_comes_to_rest_in_a_corner() {
 /// Who measures the state from outside finds what its verdict says.
 #[test]
 fn a_body_that_was_carried_is_in_equilibrium() {
-    struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
-    impl Observer for Measured<'_> {
-        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-            let scales = stickslip::solver::KktScales::default();
-            let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
-            let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
-            self.1.push((errors, least));
-            ControlFlow::Continue(())
-        }
-    }
     let model = on_the_way("3, 3, 3", 1e-3, 10.0);
     let settings = settings_of(&model, Method::BN);
-    let mut measured = Measured(&model, Vec::new());
-    history_of(&model, model.times(), &settings, LinearAlgebra::default(), &mut measured);
-    assert_eq!(measured.1.len(), 2);
-    for (errors, gap) in measured.1 {
+    let mut measured = Vec::new();
+    let measure = |step: &IncrementView<'_>| {
+        let errors = KktErrors::measure(&model.problem, step.increment, step.state, &KktScales::default()).unwrap();
+        measured.push((errors, step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap))));
+    };
+    history_of(&model, model.times(), &settings, LinearAlgebra::default(), &mut each(measure));
+    assert_eq!(measured.len(), 2);
+    for (errors, gap) in measured {
         assert!(errors.worst().1 < 1e-10, "{errors:?}");
         assert!((gap - 1e-3).abs() < 1e-15, "{gap}");
     }

@@ -192,12 +192,7 @@ fn the_stress_of_a_bent_block() {
     }
 }
 
-/// Keeps the stresses along the surface of all increments.
-struct Keep<'a> {
-    model: &'a Model,
-    states: Vec<Kept>,
-}
-
+/// What is kept of an increment.
 struct Kept {
     /// The sums of the normal and of the tangential forces, N/m.
     pressed: f64,
@@ -206,18 +201,17 @@ struct Kept {
     nodal: Vec<[f64; 6]>,
 }
 
-impl Observer for Keep<'_> {
-    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+impl Kept {
+    fn of(model: &Model, step: &IncrementView<'_>) -> Self {
         let sum = |p: &[f64]| p.iter().sum::<f64>();
         let time = step.record.time;
-        let moved = self.model.displacements(time, &step.state.u).unwrap();
-        self.states.push(Kept {
+        let moved = model.displacements(time, &step.state.u).unwrap();
+        Kept {
             pressed: sum(&step.state.p_n),
             pushed: -sum(&step.state.p_t),
-            along: self.model.surface_stresses(time, step.state),
-            nodal: self.model.nodal_stresses_at(time, &moved).unwrap(),
-        });
-        ControlFlow::Continue(())
+            along: model.surface_stresses(time, step.state),
+            nodal: model.nodal_stresses_at(time, &moved).unwrap(),
+        }
     }
 }
 
@@ -239,13 +233,13 @@ fn cylinder([cells, element]: [&str; 2], elements: usize) -> [Errors; 3] {
     let [cells, element] = [("cells", cells), ("element", element)].map(|(key, value)| format!("mesh.{key}={value:?}"));
     let scene = common::scene("cattaneo_mindlin.toml", &[&mesh, &cells, &element, motion]);
     let model = discretise(&scene).unwrap();
-    let mut keep = Keep { model: &model, states: Vec::new() };
-    let outcome = common::run_default(&scene, &model, &mut keep);
+    let mut states = Vec::new();
+    let outcome = common::run_default(&scene, &model, &mut each(|step| states.push(Kept::of(&model, step))));
     assert_eq!(outcome.status, Status::Converged);
     let (mu, nu, middle) = (0.4, 0.499_f64, 5.0);
     // Each path has two increments.
     [1, 3, 5].map(|k| {
-        let Kept { pressed, pushed, along, nodal } = &keep.states[k];
+        let Kept { pressed, pushed, along, nodal } = &states[k];
         let hertz = Hertz::line(*pressed, 100.0, 210e9 / (1.0 - nu * nu));
         let q = (pushed / (mu * pressed)).clamp(0.0, 1.0);
         let c = hertz.stick(q);

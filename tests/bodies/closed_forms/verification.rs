@@ -291,17 +291,6 @@ fn guide_force(model: &Model, u: &[f64]) -> f64 {
     held.map(|node| forces[2 * node]).sum()
 }
 
-/// Keeps the last statuses.
-#[derive(Default)]
-struct Statuses(Vec<ContactStatus>);
-
-impl Observer for Statuses {
-    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        self.0 = step.statuses.to_vec();
-        ControlFlow::Continue(())
-    }
-}
-
 /// Displacements along the contact line within 0.1 % of those of an independent prototype of the exact law, which
 /// are within 5 % of the published averages; the same in 1, 5 and 20 increments, for the load is proportional.
 #[test]
@@ -314,9 +303,10 @@ fn ssnv128() {
         (11.25e-3, 1.50, 1.5406),
     ];
     for increments in [1, 5, 20] {
-        let mut statuses = Statuses::default();
+        let mut statuses = Vec::new();
         let overrides = [format!("time.increments={increments}")];
-        let (model, outcome) = solve("ssnv128.toml", &[&overrides[0]], &mut statuses);
+        let (model, outcome) =
+            solve("ssnv128.toml", &[&overrides[0]], &mut each(|step| statuses = step.statuses.to_vec()));
         for (x, published, exact) in table {
             let i = model.contacts.iter().position(|contact| (contact.position[0] - x).abs() < 1e-9).unwrap();
             let u = 1e5 * model.problem.c_t().times(&outcome.state.u).unwrap()[i];
@@ -324,7 +314,7 @@ fn ssnv128() {
             assert!((u / published - 1.0).abs() < 0.05, "{x}: {u} {published}");
         }
         // The corner that the symmetry holds is no node of the reference's count.
-        let free = &statuses.0[..statuses.0.len() - 1];
+        let free = &statuses[..statuses.len() - 1];
         let count = |status| free.iter().filter(|&&s| s == status).count();
         let counts = [ContactStatus::Open, ContactStatus::Slip, ContactStatus::Stick].map(count);
         assert_eq!(counts, [3, 21, 8], "{increments} increments");

@@ -34,14 +34,11 @@ pub(super) fn sums(state: &State) -> [f64; 2] {
     [state.p_n.iter().sum(), state.p_t.iter().zip(&state.p_o).map(|(t, o)| t.hypot(*o)).sum()]
 }
 
-/// Keeps the contact lines.
-pub(super) struct Lines<'a>(&'a Model, Vec<ContactLine>);
-
-impl Observer for Lines<'_> {
-    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        self.1.extend(ContactLine::all(self.0, step));
-        ControlFlow::Continue(())
-    }
+/// The history and its contact lines.
+pub(super) fn lines(model: &Model, times: &[f64], solver: SolverChoice) -> (HistoryOutcome, Vec<ContactLine>) {
+    let mut lines = Vec::new();
+    let outcome = solve(model, times, solver, &mut each(|step| lines.extend(ContactLine::all(model, step))));
+    (outcome, lines)
 }
 
 /// A parabola pressed into the whole top; from a program that shares nothing with this one.

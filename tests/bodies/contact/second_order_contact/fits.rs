@@ -1,6 +1,6 @@
 //! Obstacles that fit curved boundaries of second order, or nearly.
 
-use super::{Lines, solve};
+use super::{lines, solve};
 use crate::common::prelude::*;
 
 #[derive(Debug, Clone, Copy)]
@@ -51,16 +51,15 @@ fn shrink_fits() {
         .flat_map(|cells| sizes.clone().map(move |size| (cells, size)))
     {
         let model = on_a_shaft(quarter(n, cells), 1.0 + delta, 0.0, "");
-        let mut lines = Lines(&model, Vec::new());
-        let state = solve(&model, &[1.0], SolverChoice::default(), &mut lines).state;
+        let (HistoryOutcome { state, .. }, lines) = lines(&model, &[1.0], SolverChoice::default());
         let (a2, b2, nu) = (1.0, 4.0, 0.3);
         let exact = delta / (1.0 + nu) * (b2 - a2) / ((1.0 - 2.0 * nu) * a2 + b2);
         let off = |pressure: f64| (pressure / exact - 1.0).abs();
         let means = model.contacts.iter().zip(&state.p_n).map(|(contact, p)| off(p / contact.weight));
         let worst = [
             means.fold(0.0, f64::max),
-            lines.1[0].points.iter().map(|point| off(point.sigma_n)).fold(0.0, f64::max),
-            lines.1[0].points.iter().map(|point| (point.gap / delta).abs()).fold(0.0, f64::max),
+            lines[0].points.iter().map(|point| off(point.sigma_n)).fold(0.0, f64::max),
+            lines[0].points.iter().map(|point| (point.gap / delta).abs()).fold(0.0, f64::max),
         ];
         println!(
             "{cells:?}, delta {delta}, n {n}: means {:.2e}, at nodes {:.2e}, gap {:.2e}",
@@ -106,12 +105,11 @@ fn in_a_socket(mut mesh: Mesh) {
     let mut scene = parsed(&text);
     scene.description.mesh = MeshSource::from(mesh);
     let model = discretise(&scene).unwrap();
-    let mut lines = Lines(&model, Vec::new());
-    let state = solve(&model, &[1.0], SolverChoice::default(), &mut lines).state;
+    let (HistoryOutcome { state, .. }, lines) = lines(&model, &[1.0], SolverChoice::default());
     let u = model.displacements(1.0, &state.u).unwrap();
     let off = model.mesh.nodes.iter().zip(&u).map(|(x, u)| (0..3).map(|c| (u[c] + delta * x[c]).powi(2)).sum::<f64>());
     let moved = off.fold(0.0, f64::max).sqrt() / delta;
-    let worst = lines.1[0].points.iter().map(|p| (p.sigma_n / pressure - 1.0).abs()).fold(0.0, f64::max);
+    let worst = lines[0].points.iter().map(|p| (p.sigma_n / pressure - 1.0).abs()).fold(0.0, f64::max);
     let balance = model.balance(1.0, &state).unwrap();
     let kind = model.mesh.cells[0].kind;
     println!("{kind:?}: displacements {moved:.2e}, pressure {worst:.2e}, balance {:.1e}", balance.closure);

@@ -1,7 +1,7 @@
 //! Cylinders, spheres and flat punches on boundaries of second order, with friction and on bodies that hardly change their volume. The
 //! forces are those of a program that shares nothing with this one.
 
-use super::{Lines, pressed, solve, sums};
+use super::{lines, pressed, solve, sums};
 use crate::common::prelude::*;
 use std::collections::HashMap;
 
@@ -117,15 +117,15 @@ fn condensed() -> SolverChoice {
 fn hertz_line_of_second_order() {
     for (n, force) in [(4, 3.811_741_265_8e-4), (8, 3.780_432_604_0e-4)] {
         let model = discretise(&cylinder(n, 0.0, "0.5 * x^2 - 0.001")).unwrap();
-        let mut lines = Lines(&model, Vec::new());
-        let found = sums(&solve(&model, &[1.0], SolverChoice::default(), &mut lines).state)[0];
+        let (outcome, lines) = lines(&model, &[1.0], SolverChoice::default());
+        let found = sums(&outcome.state)[0];
         assert!((found / force - 1.0).abs() < 1e-9, "{n}: {found:.10e}");
         let (a, p0) = {
             let modulus = 1.0 / 0.91;
             let a = (4.0 * found / (std::f64::consts::PI * modulus)).sqrt();
             (a, 2.0 * found / (std::f64::consts::PI * a))
         };
-        let off = lines.1[0].points.iter().filter(|p| p.x.abs() < 0.8 * a).map(|p| {
+        let off = lines[0].points.iter().filter(|p| p.x.abs() < 0.8 * a).map(|p| {
             let exact = p0 * (1.0 - (p.x / a).powi(2)).sqrt();
             (p.sigma_n - exact).abs() / p0
         });
@@ -143,23 +143,23 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
         let solver = SolverChoice { linear: Some(LinearAlgebra::condensed()), ..SolverChoice::default() };
         let facets = &model.mesh.boundary("zone").unwrap().facets;
         let corners: Vec<usize> = facets.iter().flat_map(|f| f.iter().step_by(2)).copied().collect();
-        let mut lines = Lines(&model, Vec::new());
-        let found = 4.0 * sums(&solve(&model, &[1.0], solver, &mut lines).state)[0];
+        let (outcome, lines) = lines(&model, &[1.0], solver);
+        let found = 4.0 * sums(&outcome.state)[0];
         assert!((found / force - 1.0).abs() < 1e-9, "{formula}: {found:.10e}");
         if formula.starts_with('0') && formula.contains("1e-4") {
             let inner = |x: f64| x < 0.0299;
-            let open = lines.1[0]
+            let open = lines[0]
                 .points
                 .iter()
                 .filter(|p| corners.contains(&p.node) && inner(p.x) && inner(p.y) && p.status == ContactStatus::Open);
             assert_eq!(open.count(), 0);
-            assert!(lines.1[0].points.iter().all(|p| p.status != ContactStatus::Open));
+            assert!(lines[0].points.iter().all(|p| p.status != ContactStatus::Open));
             continue;
         }
         let modulus = 1.0 / 0.91;
         let a = (0.75 * found / modulus).cbrt();
         let p0 = 1.5 * found / (std::f64::consts::PI * a * a);
-        let inside = lines.1[0].points.iter().filter(|p| p.x.hypot(p.y) < 0.8 * a);
+        let inside = lines[0].points.iter().filter(|p| p.x.hypot(p.y) < 0.8 * a);
         let (mut error, mut whole) = (0.0, 0.0);
         for (point, contact) in inside.map(|p| (p, model.contacts.iter().find(|c| c.node == p.node).unwrap())) {
             let exact = p0 * (1.0 - (point.x.hypot(point.y) / a).powi(2)).sqrt();
@@ -175,8 +175,8 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
 /// meshed. The force is that of much finer meshes, see doc/method/elements.md; the pressures are Hertz' for it.
 fn errors(scene: &Scene, share: f64, force: f64) -> [f64; 3] {
     let model = discretise(scene).unwrap();
-    let mut lines = Lines(&model, Vec::new());
-    let found = sums(&solve(&model, &[1.0], condensed(), &mut lines).state)[0] / share;
+    let (outcome, lines) = lines(&model, &[1.0], condensed());
+    let found = sums(&outcome.state)[0] / share;
     let (modulus, pi) = (1.0 / 0.91, std::f64::consts::PI);
     let (a, p0) = if model.mesh.dimension == 2 {
         let a = (4.0 * force / (pi * modulus)).sqrt();
@@ -186,9 +186,9 @@ fn errors(scene: &Scene, share: f64, force: f64) -> [f64; 3] {
         (a, 1.5 * force / (pi * a * a))
     };
     let away = |x: [f64; 3]| x[..model.mesh.dimension - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
-    let peak = lines.1[0].points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
+    let peak = lines[0].points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
     let (mut error, mut whole) = (0.0, 0.0);
-    for (point, contact) in lines.1[0].points.iter().zip(&model.contacts) {
+    for (point, contact) in lines[0].points.iter().zip(&model.contacts) {
         let exact = p0 * (1.0 - (away(contact.position) / a).powi(2)).max(0.0).sqrt();
         error += contact.weight * (point.sigma_n - exact).powi(2);
         whole += contact.weight * exact * exact;
@@ -317,10 +317,9 @@ fn hertz_with_friction_has_one_core() {
         let times = stickslip::base::equal_increments(1.0, 4);
         scene.description.times.clone_from(&times);
         let model = Model::build(&scene.description).unwrap();
-        let mut lines = Lines(&model, Vec::new());
-        solve(&model, &times, condensed(), &mut lines);
+        let (_, lines) = lines(&model, &times, condensed());
         let (at_node, neighbours) = neighbours(&model);
-        for (k, line) in lines.1.iter().enumerate() {
+        for (k, line) in lines.iter().enumerate() {
             let mut statuses = vec![ContactStatus::Open; model.contacts.len()];
             line.points.iter().for_each(|point| statuses[at_node[&point.node]] = point.status);
             let set = |holds: fn(ContactStatus) -> bool| statuses.iter().map(|s| holds(*s)).collect::<Vec<_>>();

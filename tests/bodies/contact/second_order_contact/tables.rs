@@ -1,6 +1,6 @@
 //! What tables and reports tell of boundaries of second order.
 
-use super::{Lines, pressed, pushed, solve};
+use super::{lines, pressed, pushed, solve};
 use crate::common::prelude::*;
 
 /// Looks at tables.
@@ -36,10 +36,9 @@ fn tables_tell_of_nodes() {
 fn one_peak_in_all_reports() {
     let scene = pressed("triangle6", "[8, 8]", 0.0, "0.1 * (x - 0.5)^2 - 0.01", "");
     let model = discretise(&scene).unwrap();
-    let mut lines = Lines(&model, Vec::new());
-    solve(&model, &[1.0], scene.solver, &mut lines);
-    let peak = lines.1[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
-    let mean = lines.1[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
+    let (_, lines) = lines(&model, &[1.0], scene.solver);
+    let peak = lines[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
+    let mean = lines[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
     assert!(peak > 1.01 * mean.fold(0.0, f64::max));
     let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;
@@ -54,11 +53,10 @@ fn forces_of_nodes_add_up() {
     let round = "{ kind = \"cylinder\", radius = 0.7, apex = [0.4, 0.99], direction = \"nearest\" }";
     let scene = scene.with(&[format!("contact.obstacle={round}").parse().unwrap()]).unwrap();
     let model = discretise(&scene).unwrap();
-    let mut lines = Lines(&model, Vec::new());
-    let state = solve(&model, &[1.0], scene.solver, &mut lines).state;
+    let (HistoryOutcome { state, .. }, lines) = lines(&model, &[1.0], scene.solver);
     let [on_obstacle] = &Resultant::all(&model, 1.0, &state)[..] else { panic!() };
     for axis in 0..2 {
-        let sum: f64 = lines.1[0].points.iter().map(|point| point.force[axis]).sum();
+        let sum: f64 = lines[0].points.iter().map(|point| point.force[axis]).sum();
         assert!((sum - on_obstacle.force[axis]).abs() < 1e-12 * on_obstacle.force[1].abs(), "{sum} {on_obstacle:?}");
     }
 }
