@@ -301,49 +301,7 @@ fn moved_points_on_planes_of_symmetry() {
 }
 
 /// Faults of the beam.
-const OF_BEAM: &str = r#"
-name = "end" | name = " " | - | a text in one line | such as
-name = "end"¶boundary | boundary | - | missing field `name` | add the key
-boundary = "right" | - | - | needs a boundary or a body | add one
-boundary = "right" | boundary = "right"¶body = "block" | - | both boundary and body | keep one
-boundary = "right" | boundary = "rihgt" | - | no boundary `rihgt` | bottom
-boundary = "right" | body = "bolck" | - | no body `bolck` | bodies
-boundary = "right" | boundary = "right"¶kind = "elastic" | - | unknown variant | one of the values
-boundary = "right" | body = "block"¶kind = "distributing" | - | needs a boundary | rigid
-boundary = "right" | boundary = "right"¶point = [1, 2, 3] | - | 3 components | [x, y]
-boundary = "right" | boundary = "right"¶point = [nan, 2] | - | finite | not nan
-boundary = "right" | boundary = "right"¶weight = 1 | - | unknown field `weight` | spelling
-boundary = "right" | boundary = "left" | - | holds the node | couple
-[[load]] | [[coupling]]¶name = "end"¶boundary = "top"¶[[load]] | - | two couplings | a name of its own
-[[load]] | [[coupling]]¶name = "top"¶boundary = "top"¶[[load]] | - | both carry the node | share no node
-moment = 1000 | moment = [1, 2, 3] | - | 3 components | one number
-moment = 1000 | moment = inf | - | finite | one about z
-moment = 1000 | moment = 1000¶force = [0, 1] | - | both force and moment | two loads
-moment = 1000 | pressure = 3 | - | a pressure has no coupling | remove
-moment = 1000 | traction = [1, 0]¶boundary = "top" | - | a traction has no coupling | remove
-moment = 1000 | force = [1, 2, 3] | - | 3 components | [x, y]
-moment = 1000 | temperature = 3 | - | a temperature has no coupling | remove
-coupling = "end"¶moment = 1000 | moment = 1000 | - | needs a coupling | add the key
-coupling = "end" | coupling = "edn" | - | no coupling `edn` | couplings end
-coupling = "end" | coupling = "end"¶boundary = "top" | - | a moment has no boundary | remove
-[[load]] | [[support]]¶coupling = "end"¶fix = ["normal"]¶[[load]] | - | single point | direction
-[[load]] | [[support]]¶coupling = "end"¶fix = ["z"]¶[[load]] | - | two dimensions | leave out
-[[load]] | [[support]]¶coupling = "end"¶fix = ["rotation_x"]¶[[load]] | - | about z only | rotation_z
-[[load]] | [[support]]¶coupling = "no"¶fix = ["x"]¶[[load]] | - | no coupling `no` | couplings end
-[[load]] | [[support]]¶boundary = "top"¶fix = ["rotation_z"]¶[[load]] | - | rotation | name a coupling
-[[load]] | [[support]]¶boundary = "top"¶coupling = "end"¶fix = ["x"]¶[[load]] | - | both boundary | keep one
-[[load]] | [[support]]¶coupling = "end"¶direction = [0, 0]¶[[load]] | - | a direction | give e.g.
-[[load]] | [[spring]]¶coupling = "end"¶[[load]] | - | stiffness or rotational | add one
-[[load]] | [[spring]]¶coupling = "end"¶rotational = -1¶[[load]] | - | 0 or more | give stiffnesses
-[[load]] | [[spring]]¶coupling = "end"¶rotational = [1, 2, 3]¶[[load]] | - | 3 components | one number
-[[load]] | [[spring]]¶rotational = 1¶[[load]] | - | needs a coupling | add the key
-[[load]] | [[spring]]¶coupling = "end"¶rotational = 1¶stiffness = [1, 0]¶[[load]] | - | both stiffness and rotational |
-    two springs
-[[load]] | [[spring]]¶coupling = "end"¶normal = 1¶[[load]] | - | stiffness or rotational | add one
-boundary = "right" | boundary = "right"¶point = [1e7, 0] | - | times the size | nearer point
-[[load]] | [[contact]]¶boundary = "right"¶friction = 0¶obstacle = { kind = "plane" }¶[[load]] | - |
-    a rigid coupling carries | elastic
-"#;
+const OF_BEAM: &str = include_str!("../refused/tables/couplings.txt");
 
 /// Faults of a distributing coupling.
 const OF_DISTRIBUTING: &str = r#"

@@ -358,56 +358,10 @@ fn a_lock_needs_the_run_of_a_scene() {
 }
 
 /// Faults of the bar.
-const OF_BAR: &str = r#"
-name = "bolt"¶ | - | - | missing field `name` | add the key
-name = "bolt" | name = " " | - | a text in one line | such as
-name = "bolt" | name = 3 | - | invalid type | -
-boundary = "lower:top"¶force | force | - | missing field `boundary` | add the key
-boundary = "lower:top"¶force | boundary = "lower:tpo"¶force | - | no glued contact | lower:top
-boundary = "lower:top"¶force | boundary = "upper:bottom"¶force | - | no glued contact | lower:top
-glue = true | friction = 0.1 | - | no glued contact | glue = true
-force = 1000 | - | - | a force or a shortening | add one
-force = 1000 | force = 1000¶shortening = 1 | - | both force and shortening | keep one
-force = 1000 | force = nan | - | finite | number
-force = 1000 | force = [0, 1] | - | expected a number | -
-force = 1000 | shortening = inf | - | finite | number
-force = 1000 | shortening = 1¶lock = 0.5 | - | cannot be locked | remove lock
-glue = true | glue = true¶gap = 0.1 | - | left out where bodies are glued | remove the key
-force = 1000 | force = 1000¶lock = 1 | - | below the end | time
-force = 1000 | force = 1000¶lock = -1 | - | above 0 | time
-force = 1000 | force = 1000¶history = [] | - | history is empty | points
-force = 1000 | force = 1000¶history = [[1, 0], [0, 1]] | - | times must increase | order the points
-force = 1000 | force = 1000¶stiffness = 1 | - | unknown field `stiffness` | spelling
-[[support]] | [[pretension]]¶name = "bolt"¶boundary = "upper:bottom"¶force = 1¶[[support]] | - | is called `bolt` |
-    name of its own
-[[support]] | [[pretension]]¶name = "b"¶boundary = "lower:top"¶force = 1¶[[support]] | - | already | keep one
-[[support]] | [[coupling]]¶name = "bolt"¶boundary = "upper:top"¶[[support]] | - | is called `bolt` | name of its own
-[[support]]¶boundary = "lower:bottom"¶fix = ["x", "y"] | [[coupling]]¶name = "c"¶boundary = "lower:right" | - |
-    glued or coupled otherwise | share no node
-[[support]] | [[support]]¶boundary = "lower:left"¶fix = ["y"]¶[[support]] | - | a support holds the node | share no node
-"#;
+const OF_BAR: &str = include_str!("../refused/tables/pretensions.txt");
 
 /// Faults of the strip.
-const OF_STRIP: &str = r#"
-shift = [3, 0] | shift = 3 | - | invalid type | -
-shift = [3, 0] | shift = [3] | - | expected 2 or 3 values | -
-shift = [3, 0] | shift = [0, 0] | - | a vector other than 0 | period
-shift = [3, 0] | shift = [nan, 0] | - | finite | not nan
-shift = [3, 0] | shift = [3, 0, 0] | - | 3 components | [x, y]
-shift = [3, 0] | shift = [-3, 0] | - | within | search
-shift = [3, 0] | shift = [0, 3] | - | within | search
-shift = [3, 0] | shift = [5, 0] | - | within | search
-shift = [3, 0] | shift = [3, 1e40] | - | within | search
-shift = [3, 0] | shift = [2.95, 0] | - | apart after the shift | the opposite boundary
-shift = [3, 0] | shift = [3, 0.3] | - | % of a facet is covered | the opposite boundary
-[[support]]¶boundary = "bottom"¶fix = ["y"]¶ |
-    [[pretension]]¶name = "p"¶boundary = "right"¶force = 0¶[[contact]]¶boundary = "bottom"¶friction = 0¶
-    obstacle = { kind = "plane" }¶ | - | which a pretension moves | an element before
-glue = true | friction = 0 | - | not glued | add glue
-glue = true | glue = false¶friction = 0 | - | not glued | add glue
-against = "left"¶glue = true | friction = 0¶obstacle = { kind = "plane" } | - | has no shift | remove
-against = "left" | against = "bottom" | - | in common | nodes of their own
-"#;
+const OF_STRIP: &str = include_str!("../refused/tables/periods.txt");
 
 /// Two periodic bodies, one on the other: sizes, elements and kinds of cells of each, and the shifts of the periods.
 fn periodic_pair(size: &str, bodies: [(&str, &str); 2], height: &str, shifts: &[(&str, &str, &str)]) -> String {

@@ -158,31 +158,7 @@ fn lines_and_sets_of_one_name() {
 }
 
 /// Faults of the tower: what is replaced, by what, words of the message and of the help.
-const FAULTS: &str = r#"
-*HEADING | *PART, NAME=P | bad.inp:1: *PART: parts and assemblies are not read | Do not use parts
-*HEADING | *NGEN | bad.inp:1: *NGEN: generated nodes | *NODE
-*HEADING¶A tower¶ | 1, 2¶*HEADING¶ | bad.inp:1: it is | -
-*NODE, NSET=all | *NODE, SYSTEM=C | bad.inp:3: *NODE has no rectangular coordinates | SYSTEM=
-*NODE, NSET=all | *NODE, INPUT=a.inp | bad.inp:3: *NODE, INPUT= is not read | *INCLUDE
-20e-1 | 20e | bad.inp:9: *NODE: a number and finite coordinates | 1, 0.5, 2.5, 0.
-20e-1 | inf | bad.inp:9: *NODE: a number and finite coordinates | 1, 0.5, 2.5, 0.
- 6, 1., 2. |  4, 1., 2. | bad.inp:10: the node 4 is there twice, in two places | a number of its own
-cpe4r | CPE5R | bad.inp:13: elements of the type CPE5R are not supported | CPE, CPS or CAX of 3, 4, 6 or 8
-cpe4r | B21 | elements of the type B21 are not supported | C3D10
-TYPE=CPE4, | - | bad.inp:17: *ELEMENT has no TYPE= | TYPE=NAME
- 20, 3, 4, 6, 5 |  20, 3, 4, 6 | bad.inp:18: element 20 has 3 nodes, but a quadrilateral has 4 | nodes
- 20, 3, 4, 6, 5 |  20, 3, 4, 6, 5, 1, 2, | bad.inp:18: element 20 has 6 nodes, but a quad | TYPE= says how many
- 20, 3, 4, 6, 5 |  20, 3, 4, 6, 77 | element 20 names the node 77, which no *NODE | nodes
- 20, 3, 4, 6, 5 |  10, 3, 4, 6, 5 | the element 10 is there twice | nodes
- BOTH, LOWER |  BOTH, LOWR | bad.inp:29: `LOWR` is neither a number nor a set | define the set first
- 10, 20, 10 |  10, 20, 0 | bad.inp:27: GENERATE needs | 1, 9, 2
- both, S4 |  both, S7 | bad.inp:31: `S7` is no side | S1 to S6
- both, S4 |  bath, S4 | bad.inp:31: `bath` is neither an element nor an ELSET | define
-*SOLID SECTION, ELSET=LOWER | *SOLID SECTION, ELSET=LOW | names the ELSET `LOW`, which is not | define
-NSET=ROOF, ELSET=UPPER | NSET=ROOF, ELSET=UP | *NSET names the ELSET `UP` | define
-*STEP | *INCLUDE, INPUT=absent.inp | absent.inp cannot be read | relative
-*STEP | *INCLUDE | *INCLUDE has no INPUT= | INPUT=mesh.inp
-"#;
+const FAULTS: &str = include_str!("../refused/tables/abaqus.txt");
 
 #[test]
 fn what_is_no_mesh_is_refused_with_its_line() {

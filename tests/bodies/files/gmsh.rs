@@ -90,25 +90,7 @@ ISO-10303-21;¶ | bad.msh:1: it is a geometry in the format STEP | has to be mes
 "#;
 
 /// Faults of the triangles: what is replaced, by what, words of the message and of the help.
-const OF_TRIANGLES: &str = r#"
-4.1 0 8 | 2.1 0 8 | bad.msh:2: the file has the format MSH 2.1 | -format msh41
-4.1 0 8 | 3 0 8 | bad.msh:2: the file has the format MSH 3, | -format msh41
-4.1 0 8 | 4 1 8 | bad.msh:2: the file has the format MSH 4.0, binary | -format msh41
-4.1 0 8 | 4.1 1 8 | no mark of the order of bytes | -format msh41
-4.1 0 8 | 4.1 1 4 | the numbers of the file have 4 bytes | -format msh41
-1 1 1 4¶ | 1 1 8 4¶ | has 2 nodes, but a line of three nodes has 3 | export
-2 1 2 16¶ | 2 1 9 16¶ | has 3 nodes, but a triangle of six nodes has 6 | export
-2 1 2 16¶ | 2 1 12 16¶ | the type 12 (hexahedron of 27 nodes), which is not supported |
-    Mesh.SecondOrderIncomplete = 1
-2 1 2 16¶ | 2 1 21 16¶ | the type 21 (third order or higher), which is not supported | first or second order
-2 1 2 16¶ | 2 1 3 16¶ | has 3 nodes, but a quadrilateral has 4 | export
-1 25 10 34 | 1 26 10 34 | $Nodes announces 26 nodes, but has 25 | export
-6 48 1 48 | 6 49 1 48 | $Elements announces 49 elements, but has 48 | export
-1 11 10¶ | 1 11 99¶ | element 1 names the node 99, which $Nodes does not have | export
-1 25 10 34 | one 25 10 34 | $Nodes: 4 whole numbers expected | export
-¶11¶ | ¶10¶ | the node 10 is there twice | export
-0 0 0.25¶ | 0 nan 0.25¶ | three finite coordinates | export
-"#;
+const OF_TRIANGLES: &str = include_str!("../refused/tables/gmsh.txt");
 
 #[test]
 fn what_is_no_such_file_is_refused_with_its_line() {

@@ -94,32 +94,7 @@ fn other_planes() {
 }
 
 /// Faults of the tower: what is replaced, by what, words of the message and of the help.
-const FAULTS: &str = r#"
-    -1¶   164¶ |     -1¶   164.5¶ | bad.unv:2: the number of a dataset was expected | export
-    -1¶    15¶ |     15¶ | bad.unv:29: a dataset, which begins with -1, was expected | export
-11¶   0.0000000000000000E+00 | 11¶   0.00000000000000x0E+00 | bad.unv:21: dataset 2411: the number | export
-11¶   1.0000000000000000E+00 | 11¶   1E999 | bad.unv:27: dataset 2411: the number of a node | export
-         2         1         1        11 |    2 1 | bad.unv:22: dataset 2411: the number of a node | export
-         2         1         1        11 |    1 1 1 1 | bad.unv:23: the node 1 is there twice | export
-84         2 | 114         2 |
-    bad.unv:37: element 10 has the descriptor 114 (pyramid of second order, or prism of third order) | mesh with
-84         2 | 161         2 | element 10 has the descriptor 161 (mass), which is not supported | mesh with
-84         2 | 999         2 | element 10 has the descriptor 999 (unknown) | mesh with
-84         2 | 41         2 | bad.unv:37: element 10 has 4 nodes, but a triangle has 3 | export
-11         2         1         7         2 | 11 2 1 7 4 | element 30 has 4 nodes, but a line of three | export
-        20        44 |         10        44 | bad.unv:40: the element 10 is there twice | export
-         3         4         6         5 |  3 4 6 77 | bad.unv:40: element 20 names the node 77, which no | export
-         3         4         6         5 |  3 4 6 | bad.unv:41: element 20 names the node 30, which no | export
-         3         4         6         5 |  3 4 6 5 1 | bad.unv:40: dataset 2412: 4 nodes of the element 20 | export
-         8        20         0         0¶         3 |  8 50 0 0¶ 3 | bad.unv:55: the group `2` has the element 50 |
-    export
-         7         6         0 |          7        66         0 | the group `tip` has the node 66, which no | export
-         7         6         0         0 |  7 6 0 | bad.unv:67: dataset 2467: the last of 1 members | export
-         7         6         0         0 |  7 6 0 0 7 5 0 0 | the last of 1 members of the group expected | export
-Global¶  1.0 | Global¶  0.5 | bad.unv:21: node 1 is in the system of coordinates 1, which is not | global
-         1         0        12 |          1         1        12 | bad.unv:21: node 1 is in the system | global
-Global¶  1.0 | Global¶  a.0 | bad.unv:13: dataset 2420: three numbers of the axes | export
-"#;
+const FAULTS: &str = include_str!("../refused/tables/unv.txt");
 
 #[test]
 fn what_is_no_mesh_is_refused_with_its_line() {

@@ -13,35 +13,7 @@ static DISC = r#"
 [time] end = 1.0, increments = 1
 "# }
 
-const FAULTS: &str = r#"
-boundary = "right"¶traction = [0.0, -1.0] |
-    boundary = "right"¶traction = [0.0, -1.0]¶[[spring]]¶boundary = "left"¶normal = 1e6 | boundary = "left" |
-    is the axis of the body & no area for a foundation | another boundary
-elements = [2, 2] | elements = [2, 2]¶origin = [-0.5, 0] | plane = | distance from the axis & (-0.5, 0) m |
-    one half of the section
-fix = ["x", "y"] | fix = ["x", "y"]¶displacement = [1e-3, 0] | displacement | (0, 1) m aside & on the axis |
-    move along y
-boundary = "right"¶traction = [0.0, -1.0] | rotation = { through = [0.5, 0], speed = 1.0 } | rotation |
-    does not go through that of the body | [0, 0]
-boundary = "right"¶traction = [0.0, -1.0] | rotation = { axis = [0, 0, 1], through = [0, 0], speed = 1.0 } | rotation |
-    not that of the body, y | leave it out
-boundary = "right"¶traction = [0.0, -1.0] | acceleration = [1.0, -9.81] | acceleration | along x & all sides | [0, y]
-boundary = "right"¶traction = [0.0, -1.0] | boundary = "left"¶force = [0.0, -1.0] | boundary = "left" |
-    `left` is the axis & no area | another boundary
-gap = 0.01 | gap = 0.01¶motion = { rotation = { through = [0, 0], history = [[0, 0], [1, 0.1]] } } |
-    [contact.obstacle] | the obstacle turns & axisymmetric | rubs across the section
-gap = 0.01 | gap = 0.01¶motion = { translation = [[0, 0, 0], [1, 0.1, 0]] } | [contact.obstacle] |
-    away from the axis & translation | along y
-boundary = "bottom"¶friction = 0.3¶[contact.obstacle] |
-    boundary = "right"¶friction = 0.3¶[contact.obstacle]¶approach = [[0, 0], [1, 0.1]] | [contact.obstacle] |
-    away from the axis & approach | negative gap
-kind = "plane"¶gap = 0.01 | kind = "sphere"¶radius = 1.0¶center = [0.1, -1.01] | [contact.obstacle] |
-    sphere & not about the axis x = 0 | a ring
-kind = "plane"¶gap = 0.01 | kind = "cone"¶half_angle = 1.2¶apex = [0.0, -0.01]¶axis = [0.1, -1.0] | [contact.obstacle] |
-    cone & not about the axis x = 0 | [0, -1]
-kind = "plane"¶gap = 0.01 | kind = "surface"¶file = "any.stl" | [contact.obstacle] | surface & two dimensions | table
-size = [1.0, 1.0]¶elements = [2, 2] | size = [1, 1, 1]¶elements = [2, 2, 2] | plane = | three dimensions | remove
-"#;
+const FAULTS: &str = include_str!("tables/axisymmetric.txt");
 
 #[test]
 fn what_is_no_body_of_revolution() {

@@ -97,32 +97,7 @@ fn numbers_of_bodies_are_in_the_units_of_the_scene() {
     assert_eq!(scene.description.material.groups[1].young, 70e15);
 }
 
-const READ: &str = r#"
-name = "lower" | name = "" | name = "" | the name of a body is "" & in one line | "ring"
-name = "lower" | name = "lo\u001b[31mw" | name = "lo | \u{1b}[31mw & in one line | "ring"
-name = "lower" | name = "lo\u0000w" | name = "lo | in one line | "ring"
-name = "lower" | name = "lo\nw" | name = "lo | in one line | "ring"
-name = "upper" | name = "a:b" | name = "a:b" | "a:b" | name:boundary
-name = "upper" | name = "lower" | name = "lower"¶at | another body is called `lower` | of its own
-name = "upper"¶ | - | [[body]]¶at | missing field `name` | add the key
-at = [0.1, 0.7] | at = [0.1, 0.7, 0] | at = | body[1].at is [0.1, 0.7, 0.0] & each dimension | [0, 0.5]
-at = [0.1, 0.7] | at = [0.1, nan] | at = | body[1].at & NaN | origin of the body's mesh
-at = [0.1, 0.7] | at = [0.1, 0.7]¶on = 1 | on = 1 | unknown field `on` & `at` | remove the key
-elements = [5, 4] | elements = [5, 0] | elements = [5 | mesh.elements is [5, 0] | along each axis
-elements = [5, 4] | elements = [5, 4]¶layers = 3 | layers = 3 | a block has no mesh.layers | remove the key
-size = [0.6, 0.4] | size = [0.6, 0.4, 1] | elements = [5 | mesh.elements & for each length | mesh.size says
-young = 70e9 | young = -70e9 | young = -70e9 | Young's modulus of the group `upper` & positive | in Pa
-young = 210e9 | young = 0 | young = 0 | material.young is 0.0 & positive | in Pa
-poisson = 0.25 | poisson = 0.5 | poisson = 0.5 | Poisson's ratio of the group `upper` | 0.49
-density = 2700 | plane = "stress" | plane = | `upper` is in another plane state | the same material.plane
-density = 2700 | layers = [[0.1, 1e9, 0.3]] | layers = | `upper` has layers | a body for each layer
-density = 2700 | [[body.material.group]]¶name = "rim"¶young = 0¶poisson = 0.1 | young = 0 |
-    Young's modulus of the group `upper:rim` | in Pa
-elements = [5, 4] | elements = [5, 4]¶element = "b-bar" | element = "b-bar" |
-    the elements of `upper` are "b-bar", those before it "bilinear" | the same mesh.element
-[time] | [mesh]¶kind = "block"¶[time] | [mesh] | the scene has [mesh] and [[body]] | remove [[body]]
-[time] | [material]¶young = 1¶poisson = 0¶[time] | [material] | the scene has [material] and [[body]] | [body.material]
-"#;
+const READ: &str = include_str!("tables/bodies_as_read.txt");
 
 /// Each fault is told on the line of the body that it is of.
 #[test]
@@ -130,16 +105,7 @@ fn what_is_wrong_with_a_body_is_told_at_its_place() {
     verify_all(&TWO, READ, located);
 }
 
-const BUILT: &str = r#"
-[time] | [[load]]¶acceleration = [0, -9.81]¶¶[time] | [body.material]¶young = 210e9 | density of the group `lower` |
-    7850
-density = 2700 | [[body.material.group]]¶name = "rim"¶young = 1¶poisson = 0.1 | name = "rim" |
-    no material group `upper:rim` | lower, upper
-boundary = "upper:bottom" | boundary = "bottom" | boundary = "bottom" | no boundary `bottom` | upper:top
-at = [0.1, 0.7] | at = [0.125, 0.5] | [[body]]¶name = "upper" | both have a node at (0.125, 0.5) m | against
-at = [0.1, 0.7] | at = [0.1, 0.45] | [[body]]¶name = "upper" | the body `lower` is inside `upper`, at (0.125, 0.5) m |
-    apart
-"#;
+const BUILT: &str = include_str!("tables/bodies_as_built.txt");
 
 /// What only the mesh tells.
 #[test]

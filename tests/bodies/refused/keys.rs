@@ -9,64 +9,7 @@ const LISTED: &str = "use one of the values it lists";
 const FORM: &str = "`stickslip init block` shows the form of every value";
 const MEND: &str = "mend the TOML here";
 
-const KEYS_AND_TYPES: &str = r#"
-title = | titel = | titel | unknown field `titel` & `title` | REMOVE
-[solver] | [slover] | [slover] | unknown field `slover` & `solver` | REMOVE
-poisson = | poison = | poison = | unknown field `poison` & `poisson` | REMOVE
-gap = | gpa = | gpa = | unknown field `gpa` & `gap` | REMOVE
-end = | ende = | ende = | unknown field `ende` & `end` | REMOVE
-history = | hystory = | hystory = | unknown field `hystory` & `history` | REMOVE
-210e9 | "steel" | young = | string "steel" & a number & in `material.young` | FORM
-210e9 | "210e9" | young = | string "210e9" & a number & in `material.young` | without quotes
-[1.0, 1.0] | [1.0, '1.0'] | size = | string "1.0" & a number & in `mesh.size` | without quotes
-[100, 100] | 100 | elements = | `100` & a list & in `mesh.elements` | in brackets
-size = [1.0, 1.0] | size = 1.0 | size = | `1.0` & a list | FORM
-[100, 100] | [10.5, 10] | elements = | `10.5` & a whole number | FORM
-[2, 1]] | [2]] | [2]] | invalid length 1 & 2 values | FORM
-increments = 40 | increments = 4.5 | increments = | `4.5` & a whole number | FORM
-times = [1.0, 2.0] | times = 1.0 | times = | `1.0` & a list of times or "all" | FORM
-times = [1.0, 2.0] | times = "each" | times = | "each" & a list of times or "all" | FORM
-times = [1.0, 2.0] | every = 2.5 | every = | `2.5` & a whole number | FORM
-times = [1.0, 2.0] | deformed = 100 | deformed = | `100` & boolean | FORM
-times = [1.0, 2.0] | probes = [] | probes = | unknown field `probes` & `probe` | REMOVE
-times = [1.0, 2.0] | probe = [{ point = [1, 1] }] | probe = | missing field `name` | ADD
-times = [1.0, 2.0] | [output.probe]¶name = 'a' | [output.probe] | a list | write `[[output.probe]]`
-[[support]] | [support] | [support] | table & a list & in `support` | write `[[support]]`
-[[contact]] | [contact] | [contact] | table & a list | write `[[contact]]`
-[[load]]                        # Q1 | [load] | [load]¶boundary | duplicate key | as `[[load]]`
-[time] | [[time]] | [[time]] | in `time` | write `[time]`
-[output] | [[output]] | [[output]] | in `output` | write `[output]`
-{ kind = "plane", gap = 1e-5 } | "plane" | obstacle = | string "plane" & a table | FORM
-poisson = 0.3¶ | - | [material] | missing field `poisson`, in `material` | ADD
-kind = "block"¶ | - | [mesh] | missing field `kind` | ADD
-fix = ["x", "y"]¶ | - | [[support]] | a support needs fix or direction | fix = ["x", "y"]
-friction = 0.4¶ | - | [[contact]] | a contact needs its friction | add friction = 0.3
-kind = "plane",  | - | obstacle = | missing field `kind` | ADD
-boundary = "top"¶ | - | # Q2¶ | a traction needs a boundary | add the key
-end = 2.0¶ | - | [time] | missing field `end` | ADD
-young = 210e9 | young =  | young = | expected | MEND
-[mesh] | [mesh | [mesh | unclosed table | MEND
-["x", "y"] | ["x" "y"] | fix = | comma | MEND
-poisson = 0.3 | poisson = 0.3¶poisson = 0.2 | poisson = 0.2 | duplicate key | MEND
-210e9 | 1e999 | young = | overflowed | MEND
-poisson = 0.3 | poisson = 0,3 | poisson = | expected | write 0.3, with a point
-210e9 | 210,5e9  # Pa | young = | expected | write 210.5e9, with a point
-gap = 1e-5 | gap = -0,001 | obstacle = | expected | write -0.001, with a point
-210e9 | "2,1e11" | young = | string "2,1e11" & a number | write 2.1e11, with a point
-[1.0, 1.0] | [1,0 | elements = | expected | MEND
-"block" | "ball" | "ball" | unknown variant `ball` & `block` | LISTED
-"strain" | "strian" | "strian" | unknown variant `strian` & `strain`, `stress`, `axisymmetric` | LISTED
-elements = | element = "bbar"¶elements = | element = | unknown variant `bbar` & `b-bar` & `nodal-volume` | LISTED
-elements = | cells = "triangle7"¶elements = | cells = | unknown variant `triangle7` & `triangle6` | LISTED
-elements = | element = 4¶elements = | element = | expected a word in quotes | FORM
-poisson = | layers = [[0.1, 1e9]]¶poisson = | layers = | invalid length 2 & 3 values | FORM
-poisson = | layers = [0.1, 1e9, 0.3]¶poisson = | layers = | `0.1` & a list | FORM
-"y"] | "w"] | "w"] | unknown variant `w` & `x` | LISTED
-"plane" | "prism" | "prism" | unknown variant `prism` & `plane` | LISTED
-"bn" | "newton" | "newton" | unknown variant `newton` & `bn` | LISTED
-"paper" | "mine" | "mine" | unknown variant `mine` & `paper` | LISTED
-"paper" | "paper"¶linear = "cg" | "cg" | unknown variant `cg` & `umfpack` | LISTED
-"#;
+const KEYS_AND_TYPES: &str = include_str!("tables/keys.txt");
 
 /// Every number of a scene that gives all there is to give.
 const FULL: &[(&str, &str)] = &[

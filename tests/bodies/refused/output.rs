@@ -3,31 +3,10 @@
 use crate::common::block;
 use crate::common::prelude::*;
 
-const OUTPUT: &str = r#"
-times = | every = 0¶times = | every = | output.every is 0 & at least 1 | each increment
-times = | every = -3¶times = | every = | output.every is -3 & at least 1 | each increment
-times = [1.0, 2.0] | times = "all"¶every = 2 | every = | "all" has no every | remove the key
-times = | magnification = 10¶times = | magn | no picture of the deformed body | output.deformed = true
-times = | deformed = true¶magnification = -10¶times = | magn | output.magnification is -10.0 & 0 or more |
-    so many times as long
-"#;
+const OUTPUT: &str = include_str!("tables/output.txt");
 
 /// Probes, each with words of the message and of the help.
-const PROBES: &str = r#"
-name = '', point = [0, 0] | the name of a probe is "" | "corner"
-name = 'a' | a probe without a point needs from | add the key
-name = 'a', from = [0, 0], points = 3 | needs to | add the key
-name = 'a', from = [0, 0], to = [1, 1] | needs points | add the key
-name = 'a', from = [0, 0], to = [1, 1], points = 1 | points is 1, but must be at least 2 | the ends count
-name = 'a', from = [0, 0], to = [1, 1], points = 20000 | at most 10000 | output.fields
-name = 'a', from = [0, 0], to = [1, 1], points = [[0, 1], [1, 2]] | expected a whole number | one whole number
-name = 'a', from = [1, 1], to = [1, 1], points = 2 | has no length | point = [x, y]
-name = 'a', point = [0, 0], to = [1, 1] | a probe with a point has no to | remove the key
-name = 'a', point = [0, 0], points = 3 | a probe with a point has no points | remove the key
-name = 'a', point = [0] | invalid length 1, expected 2 or 3 values | form of every value
-name = 'a', point = [0, inf] | point is inf, but must be a finite number | other than nan or inf
-name = 'a', spot = [0, 0] | unknown field `spot` | correct its spelling
-"#;
+const PROBES: &str = include_str!("tables/probes.txt");
 
 #[test]
 fn values_out_of_range() {

@@ -120,15 +120,9 @@ fn hertz_line_of_second_order() {
         let (outcome, lines) = lines(&model, &[1.0], SolverChoice::default());
         let found = sums(&outcome.state)[0];
         assert!((found / force - 1.0).abs() < 1e-9, "{n}: {found:.10e}");
-        let (a, p0) = {
-            let modulus = 1.0 / 0.91;
-            let a = (4.0 * found / (std::f64::consts::PI * modulus)).sqrt();
-            (a, 2.0 * found / (std::f64::consts::PI * a))
-        };
-        let off = lines[0].points.iter().filter(|p| p.x.abs() < 0.8 * a).map(|p| {
-            let exact = p0 * (1.0 - (p.x / a).powi(2)).sqrt();
-            (p.sigma_n - exact).abs() / p0
-        });
+        let hertz = Hertz::line(found, 1.0, 1.0 / 0.91);
+        let inside = lines[0].points.iter().filter(|p| p.x.abs() < 0.8 * hertz.a);
+        let off = inside.map(|p| (p.sigma_n - hertz.pressure(p.x)).abs() / hertz.p0);
         let worst = off.fold(0.0, f64::max);
         assert!(worst < 0.03, "{n}: {worst}");
     }
@@ -177,23 +171,17 @@ fn errors(scene: &Scene, share: f64, force: f64) -> [f64; 3] {
     let model = discretise(scene).unwrap();
     let (outcome, lines) = lines(&model, &[1.0], condensed());
     let found = sums(&outcome.state)[0] / share;
-    let (modulus, pi) = (1.0 / 0.91, std::f64::consts::PI);
-    let (a, p0) = if model.mesh.dimension == 2 {
-        let a = (4.0 * force / (pi * modulus)).sqrt();
-        (a, 2.0 * force / (pi * a))
-    } else {
-        let a = (0.75 * force / modulus).cbrt();
-        (a, 1.5 * force / (pi * a * a))
-    };
+    let of = if model.mesh.dimension == 2 { Hertz::line } else { Hertz::sphere };
+    let hertz = of(force, 1.0, 1.0 / 0.91);
     let away = |x: [f64; 3]| x[..model.mesh.dimension - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
     let peak = lines[0].points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
     let (mut error, mut whole) = (0.0, 0.0);
     for (point, contact) in lines[0].points.iter().zip(&model.contacts) {
-        let exact = p0 * (1.0 - (away(contact.position) / a).powi(2)).max(0.0).sqrt();
+        let exact = hertz.pressure(away(contact.position));
         error += contact.weight * (point.sigma_n - exact).powi(2);
         whole += contact.weight * exact * exact;
     }
-    [found / force - 1.0, peak / p0 - 1.0, (error / whole).sqrt()]
+    [found / force - 1.0, peak / hertz.p0 - 1.0, (error / whole).sqrt()]
 }
 
 /// A cylinder on quadrilaterals and a sphere on hexahedra of first and second order, with as many nodes along the zone.
