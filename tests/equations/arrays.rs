@@ -216,7 +216,7 @@ fn an_observer_sees_the_linear_systems() {
             self.systems += 1;
             let product = system.matrix.times(system.solution).unwrap();
             // Row by row against the sizes of its entries and of the solution.
-            let size = largest(&system.solution);
+            let size = largest(system.solution);
             let mut sizes: Vec<f64> = system.rhs.iter().map(|b| b.abs()).collect();
             system.matrix.to_csc().unwrap().entries().for_each(|(i, _, a)| sizes[i] += a.abs() * size);
             let rows = product.iter().zip(system.rhs).zip(sizes);

@@ -93,7 +93,6 @@ fn square(l: &[f64], m: usize) -> Vec<f64> {
 
 /// `‖b - K x‖ / (‖K‖ ‖x‖ + ‖b‖)`, largest entries and row sums.
 fn error(k: &Symmetric, b: &[f64], x: &[f64]) -> f64 {
-    let largest = |v: &[f64]| largest(&v);
     let (kx, mut sums) = (k.times(x).unwrap(), vec![0.0; b.len()]);
     k.entries().for_each(|(i, _, value)| sums[i] += value.abs());
     let residual: Vec<f64> = b.iter().zip(&kx).map(|(b, kx)| b - kx).collect();

@@ -62,7 +62,6 @@ fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: 
 
 /// The largest difference of contact forces, relative to the largest of them.
 fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
-    let largest = |x: &[f64]| largest(&x);
     let of = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let (a, b) = (&a.state, &b.state);
     of(&a.p_n, &b.p_n).max(of(&a.p_t, &b.p_t)) / largest(&a.p_n)

@@ -42,7 +42,7 @@ fn halves_are_increments_of_their_own() {
     let reference = history::run(problem, loading, &ends, &settings, SystemSolver::default(), &mut whole).unwrap();
     assert_eq!(reference.status, Status::Converged);
     let (found, expected) = (keep.states.last().unwrap(), whole.states.last().unwrap());
-    assert!(forces_apart(&found, &expected) <= 1e-9);
+    assert!(forces_apart(found, expected) <= 1e-9);
     // The observer sees the slip of the second half.
     assert_eq!(keep.w_t_last.last().unwrap().len(), whole.w_t_last.last().unwrap().len());
     for (a, b) in keep.w_t_last.last().unwrap().iter().zip(whole.w_t_last.last().unwrap()) {

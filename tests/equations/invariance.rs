@@ -69,7 +69,6 @@ impl Posed {
             sizes[i] += (k * self.u[j]).abs();
             sizes[j] += if i == j { 0.0 } else { (k * self.u[i]).abs() };
         }
-        let largest = |values: &[f64]| largest(&values);
         f64::EPSILON * largest(&sizes) / largest(&self.p[0])
     }
 

@@ -77,7 +77,6 @@ fn the_direction_solves_the_linearised_equations() {
         let z = point(&formulation, spread);
         let b: Vec<f64> = (0..z.len()).map(|k| (2.0 + k as f64 * 1.3).cos()).collect();
         let dz = direction(&mut formulation, &z, &b);
-        let largest = |values: &[f64]| largest(&values);
         let step = largest(&z) / largest(&dz);
         let at = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
         let (ahead, behind) = (residual(&formulation, &at(step)), residual(&formulation, &at(-step)));

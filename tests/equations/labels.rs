@@ -68,7 +68,9 @@ fn code(folders: &[&str]) -> String {
         }
     }
     let (root, mut code) = (Path::new(env!("CARGO_MANIFEST_DIR")), String::new());
-    folders.iter().for_each(|folder| all(&root.join(folder), &mut code));
+    for folder in folders {
+        all(&root.join(folder), &mut code);
+    }
     code
 }
 

@@ -127,20 +127,20 @@ fn what_is_no_such_file_is_refused_with_its_line() {
 }
 
 /// What makes the meshes unsound: what is replaced, by what, words of the message and of the help.
-const UNSOUND_QUADS: &str = r#"
+const UNSOUND_QUADS: &str = r"
 11 1 2 7 6 | 11 1 2 6 7 | element 11 is inverted | mesh it again
 ¶10 10 0¶ | ¶10 0 0¶ | the elements 11, 12 are degenerate | slivers
-"#;
-const UNSOUND_TRIANGLES: &str = r#"
+";
+const UNSOUND_TRIANGLES: &str = r"
 ¶0.25 0.5 0.25¶ | ¶0.9 0.5 0.25¶ | are inverted: their corners run the wrong way round | mesh it again
 1 1 0.25¶ | 1 1 0.5¶ | the mesh is a surface that is not plane: node 34 |
     gmsh -3 and put its volumes into a physical group, too
-"#;
-const UNSOUND_HEXAHEDRA: &str = r#"
+";
+const UNSOUND_HEXAHEDRA: &str = r"
 13 1 2 5 4 10 11 14 13 | 13 1 2 4 5 10 11 13 14 | element 13 is inverted | mesh it again
 13 1 2 5 4 10 11 14 13 | 13 1 2 5 4 1 2 5 4 | element 13 is degenerate: without volume at a corner | slivers
 ¶1 0 0¶ | ¶0.5 0 0¶ | degenerate | slivers
-"#;
+";
 
 #[test]
 fn meshes_that_are_not_sound_are_refused_with_their_elements() {
@@ -252,14 +252,14 @@ fn nodes_of_no_element_are_left_out() {
 }
 
 /// Groups that are no boundary: what is replaced, by what, words of the message and of the help.
-const NO_BOUNDARIES: &str = r#"
+const NO_BOUNDARIES: &str = r"
 ¶4 4 5¶ | ¶4 4 3¶ | the elements 3 and 4 of the boundary `bottom` are the same facet | twice
 ¶2 2 3¶ | ¶2 2 7¶ | element 2 of the boundary `bottom` lies inside the body | BooleanFragments
 ¶2 2 3¶ | ¶2 2 4¶ | element 2 of the boundary `bottom` is no side | outline
-"#;
-const NO_BOUNDARY_OF_CUBES: &str = r#"
+";
+const NO_BOUNDARY_OF_CUBES: &str = r"
 8 23 24 27 26 | 8 22 23 20 19 | the elements 5 and 8 of the boundary `top` are the same facet | twice
-"#;
+";
 
 /// A group that cannot be a boundary is an error of the scene that names it, and of no other.
 #[test]

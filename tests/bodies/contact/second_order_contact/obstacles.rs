@@ -161,7 +161,7 @@ fn rims_of_obstacles() {
          [[contact]]\nboundary = \"top\"\nfriction = 0.2\n\
          obstacle = { kind = \"sphere\", radius = 0.3, apex = [0.5, 0.5, 0.5], approach = [[0, 0], [1, 0.01]] }\n\
          [time]\nend = 1.0\nincrements = 2\n";
-    let scene = parsed(&text);
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     let exact = |x: [f64; 3]| 0.3 - (0.09 - (x[0] - 0.5).powi(2) - (x[1] - 0.5).powi(2)).sqrt();
     let gaps = model.loading.gaps_at(0.0);
