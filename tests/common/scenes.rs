@@ -9,12 +9,12 @@ pub const CUBE: &str = include_str!("../../data/scenes/cube.toml");
 pub const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
 
 /// The text of a scene from rows: the keys of a table stand behind its header, `[time] end = 1, increments = 4`, and may go on in
-/// the next row. In the text each has a line of its own. Rows with a comment are lines already.
+/// the next row. In the text each has a line of its own; lists may have several rows. Rows with a comment are lines already.
 pub fn scene_text(rows: &str) -> String {
-    let mut text = String::new();
+    let (mut text, mut depth) = (String::new(), 0);
     for row in rows.lines().map(str::trim) {
-        let header = if row.starts_with('[') { row.find("] ").map_or(0, |end| end + 1) } else { 0 };
-        let (mut depth, mut quote) = (0, None);
+        let header = if depth == 0 && row.starts_with('[') { row.find("] ").map_or(0, |end| end + 1) } else { 0 };
+        let mut quote = None;
         text.push_str(&row[..header]);
         let mut rest = if header > 0 { format!("\n{}", &row[header + 1..]) } else { row.to_string() };
         if row.contains('#') {
