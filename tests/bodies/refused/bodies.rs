@@ -3,7 +3,7 @@
 use crate::common::prelude::*;
 
 scene! {
-/// Two blocks, one above the other, each held by its own top and pressed on its own floor.
+/// Two blocks, one above the other, each held by its own top and pressed on its own floor. A blank line is between tables.
 pub static TWO = r#"
 [[body]] name = "lower"
 [body.mesh] kind = "block", size = [1.0, 0.5]
@@ -11,6 +11,7 @@ elements = [8, 4]  # lower
 [body.material]
 young = 210e9  # steel
 poisson = 0.3
+
 [[body]] name = "upper", at = [0.1, 0.7]
 [body.mesh] kind = "block", size = [0.6, 0.4]
 elements = [5, 4]  # upper
@@ -18,12 +19,19 @@ elements = [5, 4]  # upper
 young = 70e9  # aluminium
 poisson = 0.25  # aluminium, too
 density = 2700
+
 [[contact]] boundary = "lower:bottom", friction = 0.3, obstacle = { kind = "plane" }
+
 [[contact]] boundary = "upper:bottom", friction = 0.2, obstacle = { kind = "plane", gap = 1e-6 }
+
 [[support]] boundary = "lower:left", fix = ["x"]
+
 [[support]] boundary = "upper:left", fix = ["x"]
+
 [[load]] boundary = "lower:top", traction = [0, -1e7]
+
 [[load]] boundary = "upper:top", traction = [1e6, -2e7]
+
 [time] end = 1, increments = 4
 "# }
 
