@@ -12,7 +12,7 @@ pub struct Block {
     pub elements: Vec<Vec<usize>>,
 }
 
-fn gmsh_type(kind: CellKind) -> i32 {
+pub fn gmsh_type(kind: CellKind) -> i32 {
     match kind {
         CellKind::Triangle => 2,
         CellKind::Quadrilateral => 3,
@@ -37,7 +37,7 @@ fn corners_first(quadratic: bool, facet: &[usize]) -> Vec<usize> {
 
 /// The nodes of a cell in the order of Gmsh: the last two nodes of a tetrahedron of second order are in the other order,
 /// the edges of hexahedra and prisms in that of their first corner, then of their second.
-fn in_gmsh_order(kind: CellKind, nodes: &[usize]) -> Vec<usize> {
+pub fn in_gmsh_order(kind: CellKind, nodes: &[usize]) -> Vec<usize> {
     let places: &[usize] = match kind {
         CellKind::Tetrahedron10 => &[0, 1, 2, 3, 4, 5, 6, 7, 9, 8],
         CellKind::Hexahedron20 => &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14],

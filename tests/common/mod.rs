@@ -1,18 +1,23 @@
 //! What several tests need: the block of the paper, built and run.
-#![allow(dead_code, clippy::unwrap_used)]
+#![allow(dead_code, unused_imports, clippy::unwrap_used)]
 
 pub mod around;
 pub mod convergence;
 pub mod faults;
 pub mod hertz;
 pub mod mesh_files;
+pub mod nodes;
 pub mod pairs;
+pub mod prelude;
 pub mod random;
 pub mod rings;
 pub mod round;
+pub mod runs;
+pub mod scenes;
 pub mod scratch;
 pub mod vtu;
 
+use scenes::scene;
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -39,7 +44,7 @@ pub fn root() -> &'static std::path::Path {
 /// The paper's block with overrides.
 pub fn block(overrides: &[&str]) -> Scene {
     let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &overrides).unwrap()
+    Scene::parse("block.toml", scenes::BLOCK, &overrides).unwrap()
 }
 
 /// Multiplies the stiffness.
@@ -80,31 +85,18 @@ pub fn run_default(scene: &Scene, model: &Model, observer: &mut dyn Observer) ->
     Run::of(model, scene.time.all(), solver).unwrap().history(observer).unwrap()
 }
 
+scene! {
 /// A block on a plane that pulls it along.
-pub const BELT: &str = r#"
-    title = "A block on a belt"
-    [mesh]
-    kind = "block"
-    size = [1.0, 0.5]
-    elements = [8, 4]
-    [material]
-    young = 1e9
-    poisson = 0.3
-    [[support]]
-    boundary = "top"
-    fix = ["x"]
-    [[contact]]
-    boundary = "bottom"
-    friction = 0.3
-    obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
-    [[load]]
-    boundary = "top"
-    traction = [0.0, -1e5]
-    history = [[0, 0], [1, 1], [2, 1]]
-    [time]
-    end = 2.0
-    increments = 4
-"#;
+pub static BELT = r#"
+title = "A block on a belt"
+[mesh] kind = "block", size = [1.0, 0.5], elements = [8, 4]
+[material] young = 1e9, poisson = 0.3
+[[support]] boundary = "top", fix = ["x"]
+[[contact]] boundary = "bottom", friction = 0.3
+obstacle = { kind = "plane", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] } }
+[[load]] boundary = "top", traction = [0.0, -1e5], history = [[0, 0], [1, 1], [2, 1]]
+[time] end = 2.0, increments = 4
+"# }
 
 /// Keeps the state and the data of every increment.
 #[derive(Default)]

@@ -1,11 +1,14 @@
 //! Two blocks, one on the other.
 
+use super::Keep;
 use stickslip::algebra::Vector;
+use stickslip::algebra::linear::SparseLu;
 use stickslip::base::equal_increments;
 use stickslip::body::fem::{Material, MaterialGroup};
 use stickslip::body::mesh::{Body, MeshSource};
 use stickslip::body::{Axis, Description, Load, Model};
 use stickslip::run::Run;
+use stickslip::solver::State;
 use stickslip::solver::history::{HistoryOutcome, LinearAlgebra, Method, SolverChoice, Status};
 
 /// Which of two bodies is the slave.
@@ -63,4 +66,17 @@ pub fn solved(
     let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(observer).unwrap();
     assert_eq!(outcome.status, Status::Converged, "{solver:?}");
     outcome
+}
+
+/// Both methods, whole and condensed.
+pub fn ways() -> [(Method, LinearAlgebra); 4] {
+    let [whole, condensed] = [LinearAlgebra::Whole(SparseLu::default()), LinearAlgebra::condensed()];
+    [(Method::BN, condensed), (Method::BN, whole), (Method::Ip, whole), (Method::Ip, condensed)]
+}
+
+/// The states of all increments, to the last digits.
+pub fn states(model: &Model, (method, linear): (Method, LinearAlgebra)) -> Vec<State> {
+    let mut keep = Keep::default();
+    solved(model, solver(method, linear), &mut keep);
+    keep.states
 }

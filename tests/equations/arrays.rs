@@ -1,19 +1,8 @@
 //! Arrays that do not fit, numbers that are none: each is refused by an error that names the array.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csc, Csr, MatrixError, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::solver::history::{
-    self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Start, Status, SystemSolver,
-};
-use stickslip::solver::{
-    ContactProblem, FrictionHistory, GapCorrection, Increment, LinearSystem, LoadCase, Loading, Motion, Parts, State,
-    critical_friction, rigid_equilibrium,
-};
-use stickslip::solver::{KktErrors, KktScales, statuses};
+use crate::common::prelude::*;
+use stickslip::algebra::MatrixError;
+use stickslip::solver::{FrictionHistory, GapCorrection, LinearSystem, rigid_equilibrium};
 
 /// A node on two springs, pressed on a floor and pushed along it.
 fn parts() -> Parts {
@@ -41,40 +30,36 @@ fn run(loading: &Loading, times: &[f64], change: impl FnOnce(&mut HistorySetting
 #[test]
 #[allow(clippy::too_many_lines)] // A list.
 fn every_error_names_its_array() {
+    fn told<T, E: ToString>(result: Result<T, E>) -> Result<(), String> {
+        result.map(|_| ()).map_err(|error| error.to_string())
+    }
     const NAN: f64 = f64::NAN;
     const ONE: [(usize, f64); 1] = [(1, 1.0)];
     let made = |change: &dyn Fn(&mut Parts)| {
         let mut parts = parts();
         change(&mut parts);
-        ContactProblem::new(parts).map(|_| ()).map_err(|error| error.to_string())
+        told(ContactProblem::new(parts))
     };
-    let matrix = |result: Result<Csc, MatrixError>| result.map(|_| ()).map_err(|error| error.to_string());
-    let symmetric = |entries: &[(usize, usize, f64)]| {
-        Symmetric::from_triplets(2, entries).map(|_| ()).map_err(|error| error.to_string())
-    };
+    let matrix = |result: Result<Csc, MatrixError>| told(result);
+    let symmetric = |entries: &[(usize, usize, f64)]| told(Symmetric::from_triplets(2, entries));
     let rows = |columns: usize, row: [(usize, f64); 1]| Csr::from_rows(columns, [row]);
     let good = loading(vec![1.0, 1.0], vec![0.0]);
-    let ran =
-        |loading: &Loading, times: &[f64]| run(loading, times, |_| ()).map(|_| ()).map_err(|error| error.to_string());
+    let ran = |loading: &Loading, times: &[f64]| told(run(loading, times, |_| ()));
     let with_friction = |mu: f64| {
         let history = FrictionHistory::new(1, vec![(vec![mu], vec![[0.0, 0.5], [1.0, 1.0]])]).unwrap();
         good.clone().with_friction(Some(history)).unwrap()
     };
-    let set = |change: &dyn Fn(&mut HistorySettings)| {
-        run(&good, &[1.0], change).map(|_| ()).map_err(|error| error.to_string())
-    };
-    let case = |force: Vec<f64>, history: Vec<[f64; 2]>| {
-        LoadCase::new(force, history).map(|_| ()).map_err(|error| error.to_string())
-    };
+    let set = |change: &dyn Fn(&mut HistorySettings)| told(run(&good, &[1.0], change));
+    let case = |force: Vec<f64>, history: Vec<[f64; 2]>| told(LoadCase::new(force, history));
     let (problem, state) = (problem(), State::zero(&problem()));
     let judged = |force: &[f64], gap: &[f64], w_t_last: &[f64], state: &State| {
         let increment = Increment { force, gap, mu: problem.mu(), w_t_last, w_o_last: &[0.0] };
         let scales = KktScales::default();
-        let measured = KktErrors::measure(&problem, &increment, state, &scales).map(|_| ()).map_err(|e| e.to_string());
-        let found = statuses(&problem, &increment, state).map(|_| ()).map_err(|e| e.to_string());
+        let measured = told(KktErrors::measure(&problem, &increment, state, &scales));
+        let found = told(statuses(&problem, &increment, state));
         assert_eq!(measured, found);
         let critical = critical_friction(&problem, &increment, state, Scaling::SI, &mut RefinedSolver::default());
-        assert_eq!(critical.map(|_| ()).map_err(|error| error.to_string()), measured);
+        assert_eq!(told(critical), measured);
         measured
     };
     let longer = |change: &dyn Fn(&mut State)| {
@@ -83,7 +68,7 @@ fn every_error_names_its_array() {
         state
     };
     let motion = |nodes, gap: Vec<f64>, drift: Vec<[f64; 2]>, history: Vec<[f64; 2]>| {
-        Motion::new(nodes, gap, drift, history).map(|_| ()).map_err(|error| error.to_string())
+        told(Motion::new(nodes, gap, drift, history))
     };
     // Each block of two is definite.
     let three = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (1, 0, 0.9), (2, 0, -0.9), (2, 1, 0.9)];
@@ -105,8 +90,8 @@ fn every_error_names_its_array() {
         (matrix(Csc::from_parts(2, &[0, 1, 2], &[0, 1], &[1.0])), "values of the matrix: expected 2 entries, got 1"),
         (symmetric(&[(0, 1, 1.0), (1, 0, 2.0)]), "not symmetric: (1, 0) is 2e0 and (0, 1) is 1e0"),
         (symmetric(&[(0, 2, 1.0)]), "column 2"),
-        (rows(2, [(2, 1.0)]).map(|_| ()).map_err(|e| e.to_string()), "column 2 of a matrix with 2 columns"),
-        (rows(2, [(1, f64::INFINITY)]).map(|_| ()).map_err(|e| e.to_string()), "(0, 1) is inf"),
+        (told(rows(2, [(2, 1.0)])), "column 2 of a matrix with 2 columns"),
+        (told(rows(2, [(1, f64::INFINITY)])), "(0, 1) is inf"),
         // Problems (N4, N5).
         (made(&|p| p.c_n = Csr::from_rows(2, [ONE, ONE]).unwrap()), "c_t has 1 rows, but must have 2"),
         (made(&|p| p.c_t = rows(3, ONE).unwrap()), "c_t has 3 columns, but must have 2"),
@@ -135,23 +120,19 @@ fn every_error_names_its_array() {
         (case(vec![NAN], still()), "force[0] is NaN"),
         (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from 1 to 0"),
         (case(vec![1.0], vec![[0.0, f64::INFINITY]]), "history[0][1] is inf"),
-        (Loading::new(Vec::new(), vec![NAN]).map(|_| ()).map_err(|e| e.to_string()), "gap[0] is NaN"),
+        (told(Loading::new(Vec::new(), vec![NAN])), "gap[0] is NaN"),
         (motion(0..2, vec![1.0], vec![[0.0; 2]; 2], still()), "gap has 1 entries, but must have 2"),
         (motion(0..1, vec![1.0], Vec::new(), still()), "drift has 0 entries, but must have 1"),
         (motion(0..1, vec![1.0], vec![[0.0, NAN]], still()), "drift[0][1] is NaN"),
+        (told(GapCorrection::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2])), "times[1]"),
+        (told(GapCorrection::new(0..1, vec![0.0], vec![vec![]])), "gap[0] has 0 entries"),
         (
-            GapCorrection::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2]).map(|_| ()).map_err(|e| e.to_string()),
-            "times[1]",
-        ),
-        (
-            GapCorrection::new(0..1, vec![0.0], vec![vec![]]).map(|_| ()).map_err(|e| e.to_string()),
-            "gap[0] has 0 entries",
-        ),
-        (
-            good.clone()
-                .with_motions(vec![Motion::new(0..3, vec![0.0; 3], vec![[0.0; 2]; 3], still()).unwrap()], Vec::new())
-                .map(|_| ())
-                .map_err(|e| e.to_string()),
+            told(
+                good.clone().with_motions(
+                    vec![Motion::new(0..3, vec![0.0; 3], vec![[0.0; 2]; 3], still()).unwrap()],
+                    Vec::new(),
+                ),
+            ),
             "nodes of a motion has 3 entries, but must have 1",
         ),
         (ran(&loading(vec![1.0], vec![0.0]), &[1.0]), "force of a load has 1 entries, but must have 2"),
@@ -173,7 +154,7 @@ fn every_error_names_its_array() {
         (set(&|s| s.scaling.force = 0.0), "scaling.force is 0"),
         (set(&|s| s.scaling.length = NAN), "scaling.length is NaN"),
         (set(&|s| s.method = previous(NAN)), "start.far is NaN"),
-        (good.force_at(1.0, &other).map(|_| ()).map_err(|e| e.to_string()), "force of a load has 2 entries"),
+        (told(good.force_at(1.0, &other)), "force of a load has 2 entries"),
         (set(&|s| s.conventions.r_n.clear()), "r_n has 0 entries, but must have 1"),
         (set(&|s| s.contact_stiffness.push(1.0)), "contact_stiffness has 2 entries, but must have 1"),
         // The judge.
@@ -235,7 +216,7 @@ fn an_observer_sees_the_linear_systems() {
             self.systems += 1;
             let product = system.matrix.times(system.solution).unwrap();
             // Row by row against the sizes of its entries and of the solution.
-            let size = system.solution.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            let size = largest(system.solution);
             let mut sizes: Vec<f64> = system.rhs.iter().map(|b| b.abs()).collect();
             system.matrix.to_csc().unwrap().entries().for_each(|(i, _, a)| sizes[i] += a.abs() * size);
             let rows = product.iter().zip(system.rhs).zip(sizes);
@@ -265,7 +246,7 @@ fn a_load_below_all_that_is_normal() {
     let loading = loading(vec![5e-324, 5e-324], vec![0.0]);
     for method in [Method::BN, Method::Ip, Method::PaperBn] {
         let settings = HistorySettings::new(&problem(), &loading, method).unwrap();
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = history::run(&problem(), &loading, &[0.5, 1.0], &settings, linear.into(), &mut ());
             assert!(outcome.is_ok(), "{method} {linear}: {outcome:?}");
         }

@@ -1,14 +1,6 @@
 //! Whole histories, condensed and not: the same statuses, the same counts, the same states.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-
-const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
+use crate::common::prelude::*;
 
 struct History {
     name: String,
@@ -25,7 +17,7 @@ fn histories() -> Vec<History> {
         let scene = common::block(&["mesh.elements=[20,20]", "time.increments=20", &format!("contact.friction={mu}")]);
         history(&format!("block, mu = {mu}"), &scene)
     };
-    let punch = Scene::parse("punch.toml", PUNCH, &["time.increments=5".parse().unwrap()]).unwrap();
+    let punch = parsed_with(PUNCH, &["time.increments=5"]);
     // Slender: held at one end, so the load is small and the gap large.
     let strip = common::block(&[
         "mesh.size=[10.0,0.2]",
@@ -47,9 +39,7 @@ fn run(history: &History, settings: &HistorySettings, backend: LinearAlgebra) ->
 
 fn backends_agree(settings: fn(&Model) -> HistorySettings) {
     for history in histories() {
-        let by_both = |settings: &HistorySettings| {
-            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&history, settings, backend))
-        };
+        let by_both = |settings: &HistorySettings| both().map(|backend| run(&history, settings, backend));
         let name = &history.name;
         // The strip with its nodes kept open, to find a first touch, is a beam: rounding tells its iterations.
         let [whole, condensed] = by_both(&settings(&history.model));

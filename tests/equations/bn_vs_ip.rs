@@ -1,15 +1,6 @@
 //! BN and the interior point methods find the same states: independent algorithms on the same law.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
-};
+use crate::common::prelude::*;
 
 fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
     let overrides =
@@ -21,7 +12,7 @@ fn block(n: usize, mu: f64, increments: usize) -> (Model, Vec<f64>) {
 
 fn punch(increments: usize) -> (Model, Vec<f64>) {
     let overrides = [format!("time.increments={increments}").parse().unwrap()];
-    let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
+    let scene = Scene::parse("punch.toml", PUNCH, &overrides).unwrap();
     (discretise(&scene).unwrap(), scene.time.all())
 }
 
@@ -35,11 +26,11 @@ fn states((model, times): &(Model, Vec<f64>), settings: &HistorySettings) -> (Ve
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
+    settings_of(model, Method::PaperBn).until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10);
+    let settings = settings_of(model, Method::Ip).until(100, 1e-10);
     // The setting of the paper divides no increment.
     HistorySettings { halvings: 0, ..settings }
 }

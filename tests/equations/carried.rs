@@ -1,21 +1,10 @@
 //! Bodies that contact alone holds and that obstacles and loads carry far beyond what they deform: the forces are those that
 //! they would have on the spot, from every method and every linear algebra, in a few iterations.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::neutral::{agreed, solve};
-use std::ops::ControlFlow;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::run::report::Resultant;
-use stickslip::scene::Scene;
-use stickslip::solver::KktErrors;
-use stickslip::solver::history::{self, HistorySettings, IncrementView, LinearAlgebra, Method, Observer, Status};
 
 const METHODS: [Method; 2] = [Method::BN, Method::Ip];
-
-fn model(text: &str) -> Model {
-    discretise(&Scene::parse("carried.toml", text, &[]).unwrap()).unwrap()
-}
 
 /// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
 fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
@@ -25,7 +14,7 @@ fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
     } else {
         ("[0.01, 0.01, 0.01]", format!("[0, 0, -{force:e}]"), format!("[-{force:e}, 0, 0]"))
     };
-    model(&format!(
+    model_of(&format!(
         r#"
         mesh = {{ kind = "block", size = {size}, elements = [{elements}] }}
         material = {{ young = 210e9, poisson = 0.3 }}
@@ -60,23 +49,16 @@ fn a_block_comes_to_rest_in_a_corner() {
 /// Who measures the state from outside finds what its verdict says.
 #[test]
 fn a_body_that_was_carried_is_in_equilibrium() {
-    struct Measured<'a>(&'a Model, Vec<(KktErrors, f64)>);
-    impl Observer for Measured<'_> {
-        fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-            let scales = stickslip::solver::KktScales::default();
-            let errors = KktErrors::measure(&self.0.problem, step.increment, step.state, &scales).unwrap();
-            let least = step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap));
-            self.1.push((errors, least));
-            ControlFlow::Continue(())
-        }
-    }
     let model = on_the_way("3, 3, 3", 1e-3, 10.0);
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
-    let mut measured = Measured(&model, Vec::new());
-    let system = LinearAlgebra::default().into();
-    history::run(&model.problem, &model.loading, model.times(), &settings, system, &mut measured).unwrap();
-    assert_eq!(measured.1.len(), 2);
-    for (errors, gap) in measured.1 {
+    let settings = settings_of(&model, Method::BN);
+    let mut measured = Vec::new();
+    let measure = |step: &IncrementView<'_>| {
+        let errors = KktErrors::measure(&model.problem, step.increment, step.state, &KktScales::default()).unwrap();
+        measured.push((errors, step.increment.gap.iter().fold(f64::INFINITY, |least, gap| least.min(*gap))));
+    };
+    history_of(&model, model.times(), &settings, LinearAlgebra::default(), &mut each(measure));
+    assert_eq!(measured.len(), 2);
+    for (errors, gap) in measured {
         assert!(errors.worst().1 < 1e-10, "{errors:?}");
         assert!((gap - 1e-3).abs() < 1e-15, "{gap}");
     }
@@ -85,7 +67,7 @@ fn a_body_that_was_carried_is_in_equilibrium() {
 /// A gap that nothing ever closes is no distance to anything.
 #[test]
 fn an_obstacle_out_of_reach() {
-    let model = model(
+    let model = model_of(
         r#"
         mesh = { kind = "block", size = [1.0, 1.0], elements = [5, 5] }
         material = { young = 1e9, poisson = 0.3 }
@@ -105,7 +87,7 @@ fn an_obstacle_out_of_reach() {
 
 /// A block on an oblique guide, between an obstacle on its left and nothing.
 fn on_a_guide(gap: f64, load: &str) -> Model {
-    model(&format!(
+    model_of(&format!(
         r#"
         mesh = {{ kind = "block", size = [1.0, 1.0], elements = [4, 4] }}
         material = {{ young = 1e9, poisson = 0.3 }}
@@ -153,7 +135,7 @@ fn a_body_without_net_load_stays() {
             for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
                 let outcome = solve(&model, method, linear);
                 assert_eq!(outcome.status, Status::Converged, "{name} {method} {word}");
-                let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+                let u = largest(&outcome.state.u);
                 assert!(u < 1e-6, "{name} {method} {word}: {u}");
             }
         }
@@ -178,7 +160,7 @@ fn forces_in_a_corner_stay_while_loads_do() {
             ("[1, 1]", "", String::new())
         };
         let [down, left] = if space { ["[0, 0, -1]", "[-0.6, 0, 0]"] } else { ["[0, -1]", "[-0.6, 0]"] };
-        model(&format!(
+        model_of(&format!(
             r#"
             mesh = {{ kind = "block", size = {size}, elements = {size} }}
             material = {{ young = 1000, poisson = 0.3 }}

@@ -1,11 +1,11 @@
 //! The Cholesky factors of every backend that is built in: border last, Schur complement, reduction and
 //! completion, against dense elimination and against each other.
-#![cfg(any(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
+#![cfg(any(feature = "umfpack", feature = "faer"))]
+
+use crate::common::prelude::*;
 use crate::common::random::draw;
-use stickslip::algebra::linear::{Cholesky, LinearError};
-use stickslip::algebra::{Csc, Symmetric};
+use stickslip::algebra::linear::Cholesky;
 
 type Factor = fn(&Symmetric, &[usize]) -> Result<Cholesky, LinearError>;
 
@@ -93,7 +93,6 @@ fn square(l: &[f64], m: usize) -> Vec<f64> {
 
 /// `‖b - K x‖ / (‖K‖ ‖x‖ + ‖b‖)`, largest entries and row sums.
 fn error(k: &Symmetric, b: &[f64], x: &[f64]) -> f64 {
-    let largest = |v: &[f64]| v.iter().fold(0.0_f64, |m, v| m.max(v.abs()));
     let (kx, mut sums) = (k.times(x).unwrap(), vec![0.0; b.len()]);
     k.entries().for_each(|(i, _, value)| sums[i] += value.abs());
     let residual: Vec<f64> = b.iter().zip(&kx).map(|(b, kx)| b - kx).collect();

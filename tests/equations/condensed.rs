@@ -1,28 +1,14 @@
 //! Static condensation: the smaller problem, the way back, and whole runs on it that have their own
 //! difficulties. That histories agree with the uncondensed ones is tests/backends_agree.rs.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::Keep;
-use stickslip::algebra::linear::{LinearError, SparseCholesky};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
-use stickslip::solver::{Condensation, Condensed, State};
+use crate::common::prelude::*;
+use stickslip::solver::Condensation;
 
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
 const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
 
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
-}
-
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(100, 1e-10);
-    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
-    let outcome = history::run(&model.problem, &model.loading, times, &settings, linear, &mut keep).unwrap();
-    (outcome, keep)
+    let settings = settings_of(model, Method::BN).until(100, 1e-10);
+    kept(model, times, &settings, backend)
 }
 
 /// Any contact forces and displacements: the interior is in equilibrium, and what the contact nodes lack is
@@ -34,7 +20,7 @@ fn the_way_back_keeps_equilibrium() {
         ("free", BLOCK.replace(SUPPORT, ""), 0.4),
         ("smooth", BLOCK.to_string(), 0.0),
     ] {
-        let model = model(&text, &["mesh.elements=[9,7]", &format!("contact.friction={friction}")]);
+        let model = model_with(&text, &["mesh.elements=[9,7]", &format!("contact.friction={friction}")]);
         let condensed = Condensed::new(&model.problem, &model.loading, SparseCholesky::default()).unwrap();
         let border = model.problem.contact_displacements();
         assert_eq!(condensed.problem.displacements(), border.len());
@@ -49,7 +35,7 @@ fn the_way_back_keeps_equilibrium() {
         let state = condensed.state(time, &contact).unwrap();
         let imbalance = model.problem.equilibrium(&force, &state).unwrap();
         let expected = condensed.problem.equilibrium(&small_force, &contact).unwrap();
-        let scale = expected.iter().fold(0.0_f64, |m, f| m.max(f.abs()));
+        let scale = largest(&expected);
         let mut whole = vec![0.0; imbalance.len()];
         border.iter().zip(&expected).for_each(|(&dof, f)| whole[dof] = *f);
         let worst = imbalance.iter().zip(&whole).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
@@ -61,13 +47,12 @@ fn the_way_back_keeps_equilibrium() {
 #[test]
 fn a_body_that_only_contact_holds() {
     let text = include_str!("../../data/scenes/held_by_contact.toml");
-    let scene = Scene::parse("held_by_contact.toml", text, &[]).unwrap();
+    let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     assert!(!model.problem.rigid_modes().is_empty());
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&model, &scene.time.all(), backend));
+    let [whole, condensed] = both().map(|backend| run(&model, &scene.time.all(), backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
-    let largest = whole.0.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let largest = largest(&whole.0.state.p_n);
     let pairs = whole.1.states.iter().zip(&condensed.1.states);
     let worst = pairs.flat_map(|(a, b)| a.p_n.iter().zip(&b.p_n)).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
     assert!(worst <= 1e-9 * largest, "{worst:e} against {largest:e}");
@@ -79,30 +64,28 @@ fn a_body_that_nothing_holds() {
     let contact = BLOCK.find("[[contact]]").unwrap();
     let load = BLOCK.find("[[load]]").unwrap();
     let without = [&BLOCK[..contact], &BLOCK[load..]].concat();
-    let free = model(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
+    let free = model_with(&without.replace(SUPPORT, ""), &["mesh.elements=[4,4]"]);
     assert!(matches!(
         Condensed::new(&free.problem, &free.loading, SparseCholesky::default()),
         Err(LinearError::Singular { .. })
     ));
-    for backend in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for backend in both() {
         let outcome = run(&free, &[1.0], backend).0;
         assert_eq!(outcome.status, Status::Singular, "{backend:?}");
         assert!(outcome.free_motion.is_some(), "{backend:?}");
     }
     // Without contact there is nothing to condense to, and nothing to iterate.
-    let held = model(&without, &["mesh.elements=[4,4]"]);
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&held, &[0.5, 1.0], backend).0);
+    let held = model_with(&without, &["mesh.elements=[4,4]"]);
+    let [whole, condensed] = both().map(|backend| run(&held, &[0.5, 1.0], backend).0);
     assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
-    let largest = whole.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-    assert!(whole.state.u.iter().zip(&condensed.state.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
+    assert!(apart(&condensed.state.u, &whole.state.u) <= 1e-12);
 }
 
 /// In a slender body the forces follow from small differences of displacements: the whole system is refined,
 /// with a second word for u.
 #[test]
 fn slender_bodies_are_refined() {
-    let strip = model(
+    let strip = model_with(
         BLOCK,
         &[
             "mesh.size=[10.0,0.1]",
@@ -113,8 +96,7 @@ fn slender_bodies_are_refined() {
         ],
     );
     let times = [0.5, 1.0, 1.5, 2.0];
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| run(&strip, &times, backend));
+    let [whole, condensed] = both().map(|backend| run(&strip, &times, backend));
     assert_eq!((whole.0.status, condensed.0.status), (Status::Converged, Status::Converged));
     assert!(condensed.0.rounding > 1e-10, "not slender enough to show anything: {:e}", condensed.0.rounding);
     assert!(condensed.1.states.iter().any(|state| !state.u_rest.is_empty()));
@@ -128,13 +110,13 @@ fn slender_bodies_are_refined() {
 /// own.
 #[test]
 fn a_condensation_is_used_again() {
-    let cube = include_str!("../../data/scenes/cube.toml");
+    let cube = CUBE;
     let bodies = [
-        model(BLOCK, &["mesh.elements=[12,10]"]),
-        model(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),
-        model(&BLOCK.replace(SUPPORT, ""), &["mesh.elements=[12,10]"]),
-        model(BLOCK, &["mesh.elements=[8,8]", "mesh.cells=\"triangle6\""]),
-        model(cube, &["mesh.elements=[3,3,3]"]),
+        model_with(BLOCK, &["mesh.elements=[12,10]"]),
+        model_with(BLOCK, &["mesh.elements=[12,10]", "material.young=1e11"]),
+        model_with(&BLOCK.replace(SUPPORT, ""), &["mesh.elements=[12,10]"]),
+        model_with(BLOCK, &["mesh.elements=[8,8]", "mesh.cells=\"triangle6\""]),
+        model_with(cube, &["mesh.elements=[3,3,3]"]),
     ];
     let shared = Condensation::from(SparseCholesky::default());
     for model in bodies.iter().chain(&bodies) {

@@ -1,13 +1,8 @@
 //! Coulomb's disk: friction in two tangential directions.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use crate::common::random::{self, Random};
-use std::ops::Range;
-use stickslip::base::Scaling;
-use stickslip::solver::formulation::{Bdiff, FormulationScaling};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts, State};
-use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
+use crate::common::nodes::{Count, node, node_on_springs};
+use crate::common::prelude::*;
+use crate::common::random;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
@@ -24,14 +19,8 @@ fn solve(problem: &ContactProblem, loading: &Loading) -> HistoryOutcome {
     run(problem, loading, &settings(problem, loading))
 }
 
-fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
-    outcome.records.iter().map(|record| record.iterations).collect()
-}
-
 fn assert_close(a: &[f64], b: &[f64], tolerance: f64) {
-    let largest = a.iter().chain(b).fold(0.0_f64, |m, x| m.max(x.abs()));
-    assert_eq!(a.len(), b.len());
-    assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() <= tolerance * largest), "{a:?} {b:?}");
+    assert!(apart(a, b) <= tolerance, "{a:?} {b:?}");
 }
 
 /// `|p_T|` of every node.
@@ -57,7 +46,7 @@ fn random_histories(seeds: Range<u64>) {
             paper.add(&run(&problem, &loading, &settings));
         }
         println!("mu {mu}: default {default}; paper {paper}");
-        assert!(default.mean(default.iterations) <= 7.0 && default.most <= 20, "mu {mu}: {default}");
+        assert!(default.mean() <= 7.0 && default.most <= 20, "mu {mu}: {default}");
         assert!(paper.failures <= 2, "mu {mu}: {paper}");
     }
 }
@@ -71,40 +60,6 @@ fn ten_random_histories() {
 #[ignore = "four times as many as the test before"]
 fn forty_random_histories() {
     random_histories(0..40);
-}
-
-#[derive(Default)]
-struct Count {
-    increments: usize,
-    iterations: usize,
-    most: usize,
-    backtracks: usize,
-    failures: usize,
-}
-
-impl Count {
-    fn add(&mut self, outcome: &HistoryOutcome) {
-        self.increments += outcome.records.len();
-        self.iterations += iterations(outcome).iter().sum::<usize>();
-        self.most = self.most.max(iterations(outcome).into_iter().max().unwrap());
-        self.backtracks += outcome.records.iter().map(|record| record.backtracks).sum::<usize>();
-        self.failures += usize::from(outcome.status != Status::Converged);
-    }
-
-    fn mean(&self, count: usize) -> f64 {
-        count as f64 / self.increments as f64
-    }
-}
-
-impl std::fmt::Display for Count {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Count { increments, most, failures, .. } = self;
-        let [iterations, backtracks] = [self.iterations, self.backtracks].map(|count| self.mean(count));
-        write!(
-            f,
-            "{iterations:.2} iterations (at most {most}), {backtracks:.2} backtracks in {increments} increments, {failures} failures"
-        )
-    }
 }
 
 /// Whatever pair of tangents a node has: the same displacements and forces in as many iterations.
@@ -207,16 +162,8 @@ fn an_idle_direction_changes_nothing() {
 /// A slip of a billionth of the displacements: its direction is lost in their rounding, and found in their second word.
 #[test]
 fn a_tiny_slip() {
-    let problem = ContactProblem::new(Parts {
-        stiffness: random::symmetric(3, |i, j| f64::from(u8::from(i == j))).into(),
-        c_n: random::rows(3, [vec![(2, 1.0)]]),
-        c_t: random::rows(3, [vec![(0, 0.6), (1, 0.8)]]),
-        c_o: random::rows(3, [vec![(0, -0.8), (1, 0.6)]]),
-        mu: vec![0.5],
-        weight: Some(vec![1.0]),
-        rigid_modes: Some(Vec::new()),
-    })
-    .unwrap();
+    let oblique: [&[(usize, f64)]; 3] = [&[(2, 1.0)], &[(0, 0.6), (1, 0.8)], &[(0, -0.8), (1, 0.6)]];
+    let problem = node(3, &[(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0)], oblique, 0.5);
     let case = |force: [f64; 3], history: &[[f64; 2]]| LoadCase::new(force.to_vec(), history.to_vec()).unwrap();
     let loading = Loading::new(
         vec![case([1.7, 1.1, 1.0], &[[0.0, 0.0], [0.2, 1.0]]), case([1e-8, 3e-9, 0.0], &[[0.2, 0.0], [1.0, 1.0]])],
@@ -233,16 +180,7 @@ fn a_tiny_slip() {
 #[test]
 fn one_node() {
     let (k, mu) = (2.0, 0.3);
-    let problem = ContactProblem::new(Parts {
-        stiffness: random::symmetric(3, |i, j| k * f64::from(u8::from(i == j))).into(),
-        c_n: random::rows(3, [vec![(2, 1.0)]]),
-        c_t: random::rows(3, [vec![(0, 1.0)]]),
-        c_o: random::rows(3, [vec![(1, 1.0)]]),
-        mu: vec![mu],
-        weight: Some(vec![1.0]),
-        rigid_modes: Some(Vec::new()),
-    })
-    .unwrap();
+    let problem = node_on_springs(k, mu);
     for (force, slips) in [([0.2, -0.1, 1.0], false), ([0.3, -0.4, 1.0], true), ([-2.0, 0.1, 3.0], true)] {
         let loading =
             Loading::new(vec![LoadCase::new(force.to_vec(), vec![[0.0, 0.0], [1.0, 1.0]]).unwrap()], vec![0.0])
@@ -269,16 +207,7 @@ fn one_node() {
 /// disk though each component is within the limit.
 #[test]
 fn the_measure_sees_directions() {
-    let problem = ContactProblem::new(Parts {
-        stiffness: random::symmetric(3, |i, j| f64::from(u8::from(i == j))).into(),
-        c_n: random::rows(3, [vec![(2, 1.0)]]),
-        c_t: random::rows(3, [vec![(0, 1.0)]]),
-        c_o: random::rows(3, [vec![(1, 1.0)]]),
-        mu: vec![0.5],
-        weight: Some(vec![1.0]),
-        rigid_modes: Some(Vec::new()),
-    })
-    .unwrap();
+    let problem = node_on_springs(1.0, 0.5);
     let increment =
         Increment { force: &[0.9, 1.2, 2.0], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
     let measure = |p_t, p_o| {

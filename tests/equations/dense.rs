@@ -1,24 +1,10 @@
 //! The dense solver against a sparse LU, matrix by matrix.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
-use stickslip::algebra::linear::{
-    Dense, LinearError, LinearSolver, RefinedSolver, SparseCholesky, SystemMatrix, backward_error,
-};
-use stickslip::algebra::{Csc, DenseSymmetric, Pattern};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::{Bdiff, Constrained, FormulationScaling, InteriorPoint, Partition};
-use stickslip::solver::{Condensed, ContactProblem};
+use crate::common::prelude::*;
+use stickslip::algebra::DenseSymmetric;
+use stickslip::algebra::linear::{Dense, backward_error};
+use stickslip::solver::formulation::Constrained;
 use stickslip::solver::{NormalCase, TangentialCase};
-
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("block.toml", text, &overrides).unwrap()).unwrap()
-}
 
 /// A matrix with these entries, the first `displacements` rows and columns of which are stored as a dense block.
 fn matrix(n: usize, displacements: usize, entries: &[(usize, usize, f64)]) -> SystemMatrix {
@@ -74,9 +60,7 @@ fn compare(solver: &mut Dense, a: &SystemMatrix, tolerance: f64) -> usize {
         x
     };
     let (x, y) = (refined(RefinedSolver::new(Box::new(Dense::default()))), refined(RefinedSolver::default()));
-    let largest = y.iter().fold(0.0_f64, |m, y| m.max(y.abs()));
-    let difference = x.iter().zip(&y).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()));
-    assert!(difference <= tolerance * largest, "{difference:e} against {largest:e}");
+    assert!(apart(&x, &y) <= tolerance, "{:e}", apart(&x, &y));
     // The flops are 2/3 of the order cubed.
     let info = solver.factorize_system(a).unwrap();
     assert!(info.pivot_ratio > 0.0);
@@ -131,9 +115,9 @@ fn mixed_states(model: &Model, tolerance: f64) -> Vec<usize> {
 
 #[test]
 fn the_order_is_what_contact_leaves_free() {
-    let model = model(BLOCK, &["mesh.elements=[12,12]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[12,12]"]);
     assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
-    let smooth = self::model(BLOCK, &["mesh.elements=[12,12]", "contact.friction=0.0"]);
+    let smooth = self::model_with(BLOCK, &["mesh.elements=[12,12]", "contact.friction=0.0"]);
     // Without friction no contact row names the tangential displacements.
     assert_eq!(mixed_states(&smooth, 1e-12), [4, 4, 0, 0, 6, 8]);
 }
@@ -141,7 +125,7 @@ fn the_order_is_what_contact_leaves_free() {
 #[test]
 fn oblique_obstacles() {
     for normal in ["[-0.3,-1.0]", "[0.8,-0.6]", "[0.001,-1.0]"] {
-        let model = model(BLOCK, &["mesh.elements=[12,9]", &format!("contact.obstacle.normal={normal}")]);
+        let model = model_with(BLOCK, &["mesh.elements=[12,9]", &format!("contact.obstacle.normal={normal}")]);
         assert_eq!(mixed_states(&model, 1e-12), [12, 12, 0, 12, 12, 16]);
     }
 }
@@ -151,7 +135,7 @@ fn oblique_obstacles() {
 #[test]
 fn two_obstacles_at_a_node() {
     let other = "[[contact]]\nboundary = \"right\"\nfriction = 0.3\nobstacle = { kind = \"plane\" }\n\n[[load]]";
-    let model = model(&BLOCK.replacen("[[load]]", other, 1), &["mesh.elements=[6,6]", "contact[0].friction=0.4"]);
+    let model = model_with(&BLOCK.replacen("[[load]]", other, 1), &["mesh.elements=[6,6]", "contact[0].friction=0.4"]);
     let orders = mixed_states(&model, 1e-12);
     assert_eq!(orders[2], 2);
 }
@@ -161,7 +145,7 @@ fn two_obstacles_at_a_node() {
 fn a_body_held_by_contact() {
     let support = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n";
     for (text, kind) in [(BLOCK.replace(support, ""), 3), (BLOCK.replace("\"x\", \"y\"", "\"x\""), 1)] {
-        let model = model(&text, &["mesh.elements=[10,10]"]);
+        let model = model_with(&text, &["mesh.elements=[10,10]"]);
         assert_eq!(model.problem.rigid_modes().len(), kind);
         assert!(mixed_states(&model, 1e-11).len() >= 4);
         // With every node open nothing holds it.
@@ -178,7 +162,7 @@ fn a_body_held_by_contact() {
 /// Rows that hold displacements and forces, whose sizes differ by many decades.
 #[test]
 fn matrices_of_an_interior_point_method() {
-    let model = model(BLOCK, &["mesh.elements=[10,10]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[10,10]"]);
     let conventions = FormulationScaling::paper(model.problem.weight().unwrap());
     let condensed = condensed(&model);
     let mut formulation = Constrained::new(&condensed, model.scaling(), &conventions, Partition::Products);
@@ -280,7 +264,7 @@ fn springs_on_the_diagonal() {
 /// What is kept of the last factors is of use only where nothing has changed: statuses that change one at a time leave no trace.
 #[test]
 fn statuses_that_change_one_at_a_time() {
-    let model = model(BLOCK, &["mesh.elements=[12,9]", "contact.obstacle.normal=[-0.3,-1.0]"]);
+    let model = model_with(BLOCK, &["mesh.elements=[12,9]", "contact.obstacle.normal=[-0.3,-1.0]"]);
     let condensed = condensed(&model);
     let mut formulation = bdiff(&model, &condensed);
     let mut kept = Dense::default();
@@ -334,9 +318,7 @@ fn any_number_of_threads() {
         })
     };
     let one = solved(1);
-    let largest = one.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     for threads in [2, 3] {
-        let several = solved(threads);
-        assert!(one.iter().zip(&several).all(|(x, y)| (x - y).abs() <= 1e-12 * largest), "{threads}");
+        assert!(apart(&solved(threads), &one) <= 1e-12, "{threads}");
     }
 }

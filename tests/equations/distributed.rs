@@ -1,18 +1,12 @@
 //! A stiffness that other processes have, and what becomes of a run if one of them fails.
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
-use stickslip::algebra::{Csc, DoubleDouble, Symmetric};
-use stickslip::run::discretise;
-use stickslip::solver::history::{
-    Error as HistoryError, HistoryMethod, HistoryOutcome, Method, SolverChoice, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, Parts, ProblemError, State};
-
-use crate::common;
+use stickslip::algebra::DoubleDouble;
+use stickslip::algebra::linear::{Distributed, Stiffness};
+use stickslip::solver::ProblemError;
+use stickslip::solver::history::{Error as HistoryError, HistoryMethod};
 
 /// A stiffness of which this process has the whole. It answers as often as `answers` says.
 #[derive(Debug)]
@@ -131,8 +125,7 @@ fn every_method_solves_with_it() {
         assert_eq!((assembled.status, distributed.status), (Status::Converged, Status::Converged));
         let State { u, p_n, .. } = distributed.state;
         for (found, expected) in [(&u, &assembled.state.u), (&p_n, &assembled.state.p_n)] {
-            let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() <= 1e-9 * largest), "{method:?}");
+            assert!(apart(found, expected) <= 1e-9, "{method:?}");
         }
     }
 }

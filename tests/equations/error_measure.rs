@@ -1,13 +1,8 @@
 //! The error measure: small on every solution of the block, and the truth about wrong states.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::run::discretise;
+use crate::common::prelude::*;
 use stickslip::solver::ContactStatus::{Open, Slip, Stick};
-use stickslip::solver::history::Status;
-use stickslip::solver::{ContactProblem, Increment, Parts, ProblemError, State};
-use stickslip::solver::{KktErrors, KktScales};
+use stickslip::solver::ProblemError;
 
 /// Every component at most 1e-10 in every increment.
 #[test]
@@ -129,20 +124,7 @@ fn the_measure_is_unit_free() {
 /// the contact forces would make of the node. A slip that large counts.
 #[test]
 fn rounding_of_a_body_that_sticks() {
-    let stiffness = Symmetric::from_triplets(2, &[(0, 0, 2.0), (1, 1, 2.0)]).unwrap();
-    let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
-    let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
-    let c_o = Csr::empty(1, 2).unwrap();
-    let problem = ContactProblem::new(Parts {
-        stiffness: stiffness.into(),
-        c_n,
-        c_t,
-        c_o,
-        mu: vec![0.5],
-        weight: Some(vec![1.0]),
-        rigid_modes: Some(Vec::new()),
-    })
-    .unwrap();
+    let problem = common::nodes::node(2, &[(0, 0, 2.0), (1, 1, 2.0)], [&[(1, 1.0)], &[(0, 1.0)], &[]], 0.5);
     let increment = Increment { force: &[0.1, 1.0], gap: &[0.0], mu: problem.mu(), w_t_last: &[0.0], w_o_last: &[0.0] };
     let dissipation = |slip: f64| {
         let state = State { u: vec![slip, 0.0], u_rest: Vec::new(), p_t: vec![0.1], p_o: vec![0.0], p_n: vec![1.0] };

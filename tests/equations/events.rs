@@ -1,29 +1,12 @@
 //! The exact path in time: sums found by another program, laws at every event, increments that converge to it, and the verdicts
 //! where it ends.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::random::Random;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::equal_increments;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
+use crate::common::prelude::*;
 use stickslip::solver::NodeStatus;
-use stickslip::solver::history::{
-    HistoryMethod, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Observer, SolverChoice, Status,
-};
-use stickslip::solver::{Checkpoint, ContactProblem, LoadCase, Loading, Motion, Parts};
-
-const BLOCK: &str = include_str!("../../data/scenes/block.toml");
-const PUNCH: &str = include_str!("../../data/scenes/punch.toml");
-
-fn model(text: &str, overrides: &[&str]) -> Model {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    discretise(&Scene::parse("scene.toml", text, &overrides).unwrap()).unwrap()
-}
+use stickslip::solver::history::HistoryMethod;
 
 fn block(n: usize, mu: f64) -> Model {
-    model(BLOCK, &[&format!("mesh.elements=[{n},{n}]"), &format!("contact.friction={mu}")])
+    model_with(BLOCK, &[&format!("mesh.elements=[{n},{n}]"), &format!("contact.friction={mu}")])
 }
 
 fn solve(
@@ -79,7 +62,6 @@ fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: 
 
 /// The largest difference of contact forces, relative to the largest of them.
 fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
-    let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let of = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>());
     let (a, b) = (&a.state, &b.state);
     of(&a.p_n, &b.p_n).max(of(&a.p_t, &b.p_t)) / largest(&a.p_n)
@@ -90,10 +72,9 @@ fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
 fn rounding_does_not_decide() {
     let wedge = include_str!("../../data/scenes/wedge.toml");
     let strip = include_str!("../../data/scenes/strip.toml");
-    for (model, end) in [(model(wedge, &[]), 2.0), (model(strip, &["mesh.elements=[60,2]"]), 3.0)] {
+    for (model, end) in [(model_with(wedge, &[]), 2.0), (model_with(strip, &["mesh.elements=[60,2]"]), 3.0)] {
         let times = equal_increments(end, 4);
-        let [whole, condensed] =
-            [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &times, linear));
+        let [whole, condensed] = both().map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
             assert_eq!(outcome.status, Status::Converged);
             // Relative to the contact forces, which are smaller than the loads of the strip.
@@ -111,7 +92,7 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
         let history = vec![[0.0, 0.0], [1.0 / 3.0, -gap - 0.001], [2.0, -gap - 0.01]];
         let motion = Motion::new(0..1, vec![1.0], vec![[0.3, 0.0]], history).unwrap();
         let loading = Loading::new(Vec::new(), vec![gap]).unwrap().with_motions(vec![motion], Vec::new()).unwrap();
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-12), (Status::Converged, true), "{gap} {outcome:?}");
         }
@@ -123,9 +104,8 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
 fn interference_from_the_start_is_judged_when_it_is_there() {
     let bare = ["mesh.elements=[12,6]", "load[0].traction=[0,0]", "load[1].traction=[0,0]"];
     let there = "contact.obstacle={kind=\"cylinder\",radius=9,apex=[0.4,1e-4],approach=[[0,0],[2,-5e-5]]}";
-    let model = model(BLOCK, &[&bare[..], &[there]].concat());
-    let [whole, condensed] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| exact(&model, &[1.0, 2.0], linear));
+    let model = model_with(BLOCK, &[&bare[..], &[there]].concat());
+    let [whole, condensed] = both().map(|linear| exact(&model, &[1.0, 2.0], linear));
     for outcome in [&whole, &condensed] {
         assert_eq!(outcome.status, Status::Converged);
         assert!(worst(outcome) <= 1e-12, "{:e}", worst(outcome));
@@ -138,12 +118,12 @@ fn interference_from_the_start_is_judged_when_it_is_there() {
 /// Sums of contact forces at the end (MN), by a prototype that follows the path with a dense solve for each set of statuses.
 #[test]
 fn sums_are_those_of_another_program() {
-    let forms = [LinearAlgebra::default(), LinearAlgebra::condensed()];
+    let forms = both();
     for (model, times, sum_p_n, sum_p_t) in [
         (block(5, 0.4), vec![1.0, 2.0], 5.302_096, 1.268_765),
         (block(20, 0.8), vec![1.0, 2.0], 5.284_059, 0.811_258),
         (block(50, 0.4), vec![1.0, 2.0], 5.426_644, 1.180_136),
-        (model(PUNCH, &[]), vec![1.0], 5.330_137, -1.023_347),
+        (model_with(PUNCH, &[]), vec![1.0], 5.330_137, -1.023_347),
     ] {
         let [whole, condensed] = forms.map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
@@ -264,7 +244,8 @@ fn cycles_come_to_a_limit() {
     let points: Vec<String> =
         (1..=100).map(|k| format!("[{},{}]", k + 1, if k % 2 == 0 { 1.0 } else { -0.5 })).collect();
     let history = format!("load[1].history=[[0,0],[1,1],{}]", points.join(","));
-    let model = model(BLOCK, &["mesh.elements=[10,10]", "load[0].history=[[0,0],[1,1]]", &history, "time.end=101"]);
+    let model =
+        model_with(BLOCK, &["mesh.elements=[10,10]", "load[0].history=[[0,0],[1,1]]", &history, "time.end=101"]);
     let times: Vec<f64> = (1..=50).map(|k| 1.0 + 2.0 * f64::from(k)).collect();
     let outcome = exact(&model, &times, LinearAlgebra::condensed());
     assert_eq!(outcome.status, Status::Converged);
@@ -295,7 +276,7 @@ fn loads(points: &[(f64, [f64; 2])]) -> Loading {
 fn of_three_continuations_one_is_taken() {
     for mu in [0.5, 3.0] {
         let (problem, loading) = (node(2.0, 1.5, mu), loads(&[(0.0, [0.0; 2]), (1.0, [1.0, 1.0])]));
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = solve(&problem, &loading, &[1.0], HistoryMethod::EVENTS, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-14), (Status::Converged, true), "{mu} {linear}");
         }
@@ -312,7 +293,7 @@ fn a_lost_continuation_is_told_with_its_load() {
     let mu = 2.0;
     let problem = node(2.0, 1.5, mu);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0])]);
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         // f_t = mu f_n at half of the second second.
@@ -363,7 +344,7 @@ fn a_lost_path_goes_on_with_a_jump() {
 fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
     let problem = node(0.0, 0.0, 0.5);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         assert!((outcome.reached - 1.25).abs() < 1e-12, "{}", outcome.reached);
@@ -373,8 +354,8 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
 /// What the path does not know it does not try.
 #[test]
 fn nodes_that_slide_in_a_plane_are_refused() {
-    let cube = include_str!("../../data/scenes/cube.toml");
-    let model = model(cube, &["mesh.elements=[2,2,2]"]);
+    let cube = CUBE;
+    let model = model_with(cube, &["mesh.elements=[2,2,2]"]);
     assert_eq!(exact(&model, &[1.0], LinearAlgebra::default()).status, Status::Unsupported);
 }
 
@@ -382,30 +363,18 @@ fn nodes_that_slide_in_a_plane_are_refused() {
 /// body does under loads however small, and then the path has the forces of an increment under loads that stay.
 #[test]
 fn a_body_that_contact_alone_holds_comes_to_rest_first() {
-    let standing = r#"
-        [mesh]
-        kind = "block"
-        size = [1.0, 1.0]
-        elements = [2, 2]
-        [material]
-        young = 1e9
-        poisson = 0.3
-        [[contact]]
-        boundary = "bottom"
-        friction = 0.5
-        obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
-        [[load]]
-        boundary = "top"
-        traction = [2e4, -1e5]
-        history = [[0, 1]]
-        [time]
-        end = 1.0
-        increments = 1
-    "#;
+    let standing = scene! { r#"
+[mesh] kind = "block", size = [1.0, 1.0], elements = [2, 2]
+[material] young = 1e9, poisson = 0.3
+[[contact]] boundary = "bottom", friction = 0.5
+obstacle = { kind = "formula", formula = "1e-3 * x", normal = [0, -1] }
+[[load]] boundary = "top", traction = [2e4, -1e5], history = [[0, 1]]
+[time] end = 1.0, increments = 1
+"# };
     for gap in ["1e-3 * x", "1e-3 * (1 + x)"] {
-        let model = model(standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
+        let model = model_with(&standing, &[&format!("contact.obstacle.formula=\"{gap}\"")]);
         let by_increment = solve(&model.problem, &model.loading, &[1.0], Method::BN, LinearAlgebra::default()).state;
-        for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for linear in both() {
             let outcome = exact(&model, &[1.0], linear);
             assert_eq!(outcome.status, Status::Converged, "{gap} {linear}");
             for (path, increment) in [(&outcome.state.p_n, &by_increment.p_n), (&outcome.state.p_t, &by_increment.p_t)]
@@ -426,9 +395,9 @@ fn a_body_that_nothing_holds_is_named() {
     let smooth = BLOCK.replace("friction = 0.4", "friction = 0.0");
     for (text, fix) in [(bare, "x"), (smooth, "y")] {
         let text = text.replace("fix = [\"x\", \"y\"]", &format!("fix = [\"{fix}\"]"));
-        let model = model(&text, &["mesh.elements=[4,4]"]);
+        let model = model_with(&text, &["mesh.elements=[4,4]"]);
         for method in [HistoryMethod::EVENTS, Method::BN.into(), Method::Ip.into()] {
-            for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+            for linear in both() {
                 let outcome = solve(&model.problem, &model.loading, &[1.0], method, linear);
                 assert_eq!(outcome.status, Status::Singular, "{fix} {method:?} {linear}");
                 assert!(outcome.free_motion.is_some(), "{fix} {method:?} {linear}");

@@ -1,35 +1,26 @@
 //! faer's LU in the place of UMFPACK changes neither a status nor a count, and states by rounding only.
-#![cfg(all(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use crate::common::{Keep, difference};
-use stickslip::algebra::linear::SparseLu;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+#![cfg(all(feature = "umfpack", feature = "faer"))]
+
+use crate::common::prelude::*;
 
 type Settings = fn(&Model) -> HistorySettings;
 
 fn paper_bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::PaperBn).unwrap().until(200, 1e-10)
+    settings_of(model, Method::PaperBn).until(200, 1e-10)
 }
 
 fn bn(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap().until(200, 1e-10)
+    settings_of(model, Method::BN).until(200, 1e-10)
 }
 
 fn ip(model: &Model) -> HistorySettings {
-    HistorySettings::new(&model.problem, &model.loading, Method::Ip).unwrap().until(100, 1e-10)
+    settings_of(model, Method::Ip).until(100, 1e-10)
 }
 
 fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {
     let model = discretise(scene).unwrap();
-    let (settings, linear, mut keep) = (settings(&model), SystemSolver::from(backend), Keep::default());
-    let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut keep).unwrap();
+    let (outcome, keep) = kept(&model, &scene.time.all(), &settings(&model), backend);
     (keep.states, outcome)
 }
 
@@ -62,6 +53,6 @@ fn on_the_block() {
 #[test]
 fn on_the_punch() {
     let overrides = ["time.increments=5".parse().unwrap()];
-    let scene = Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap();
+    let scene = Scene::parse("punch.toml", PUNCH, &overrides).unwrap();
     assert_agree(&scene, "punch");
 }

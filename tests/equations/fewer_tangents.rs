@@ -1,46 +1,25 @@
 //! Nodes in space with one tangent: on a symmetry plane, and on an edge of the body in front of two obstacles.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::{Keep, run_default};
-use stickslip::run::discretise;
-use stickslip::run::report::Resultant;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
+use crate::common::run_default;
 
 const MU: f64 = 0.3;
 
 /// A cube under the pressure 1 MPa, then the plane below moves `along` so far (m). `more` is TOML.
 fn cube(n: usize, along: [f64; 2], more: &str) -> Scene {
     let [x, y] = along;
-    let text = format!(
-        r#"
-        [mesh]
-        kind = "block"
-        size = [1.0, 1.0, 1.0]
-        elements = [{n}, {n}, {n}]
-        [material]
-        young = 210e9
-        poisson = 0.3
-        [[support]]
-        boundary = "right"
-        fix = ["x"]
-        [[support]]
-        boundary = "back"
-        fix = ["y"]
-        [[contact]]
-        boundary = "bottom"
-        friction = {MU}
-        obstacle = {{ kind = "plane", motion = {{ translation = [[0, 0, 0, 0], [1, 0, 0, 0], [2, {x}, {y}, 0]] }} }}
-        [[load]]
-        boundary = "top"
-        traction = [0, 0, -1e6]
-        history = [[0, 0], [1, 1]]
-        [time]
-        end = 2
-        increments = 4
-        {more}"#
-    );
-    Scene::parse("cube.toml", &text, &[]).unwrap()
+    let text = scene! { format r#"
+[mesh] kind = "block", size = [1.0, 1.0, 1.0], elements = [{n}, {n}, {n}]
+[material] young = 210e9, poisson = 0.3
+[[support]] boundary = "right", fix = ["x"]
+[[support]] boundary = "back", fix = ["y"]
+[[contact]] boundary = "bottom", friction = {MU}
+obstacle = {{ kind = "plane", motion = {{ translation = [[0, 0, 0, 0], [1, 0, 0, 0], [2, {x}, {y}, 0]] }} }}
+[[load]] boundary = "top", traction = [0, 0, -1e6], history = [[0, 0], [1, 1]]
+[time] end = 2, increments = 4
+{more}
+"# };
+    parsed(&text)
 }
 
 /// The supports take what friction does across them: it is as if the obstacle only moved along the nodes' own tangents.
@@ -70,12 +49,10 @@ fn an_obstacle_that_passes_symmetry_planes() {
         );
         assert!(x == y || (x > y) == (friction[0].abs() > friction[1].abs()), "{along:?} {friction:?}");
 
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::Ip)
-            .unwrap()
-            .until(100, scene.solver.tolerance);
+        let settings = settings_of(&model, Method::Ip).until(100, scene.solver.tolerance);
         let (linear, mut by_ip) = (SystemSolver::from(LinearAlgebra::condensed()), Keep::default());
         let times = scene.time.all();
-        let outcome = history::run(&model.problem, &model.loading, &times, &settings, linear, &mut by_ip).unwrap();
+        let outcome = history_of(&model, &times, &settings, linear, &mut by_ip);
         assert_eq!(outcome.status, Status::Converged, "{along:?}");
         let found = by_ip.states.last().unwrap();
         for (a, b) in found.p_n.iter().chain(&found.p_t).zip(state.p_n.iter().chain(&state.p_t)) {

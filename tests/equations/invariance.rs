@@ -1,16 +1,8 @@
 //! The verdict does not depend on the scaling of single rows and columns, on loads elsewhere, on parts that nothing
 //! connects, on earlier increments, or on units. A state that breaks a law is not accepted under any of them.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::run::discretise;
-use stickslip::solver::history::{
-    self, ExactPathSettings, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver,
-    follow_exact_path,
-};
-use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts, State};
-use stickslip::solver::{KktErrors, KktScales};
+use crate::common::prelude::*;
+use stickslip::solver::history::{ExactPathSettings, follow_exact_path};
 
 const FACTORS: [f64; 6] = [1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12];
 
@@ -77,7 +69,6 @@ impl Posed {
             sizes[i] += (k * self.u[j]).abs();
             sizes[j] += if i == j { 0.0 } else { (k * self.u[i]).abs() };
         }
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         f64::EPSILON * largest(&sizes) / largest(&self.p[0])
     }
 
@@ -112,7 +103,7 @@ impl Posed {
 /// The solution, and states that break one law each by a share of the largest contact force.
 fn states() -> Vec<(&'static str, Posed)> {
     let solution = Posed::block();
-    let largest = solution.p[0].iter().fold(0.0_f64, |m, p| m.max(*p));
+    let largest = largest(&solution.p[0]);
     let pressed = (0..solution.gap.len()).max_by(|&a, &b| solution.p[0][a].total_cmp(&solution.p[0][b])).unwrap();
     let broken = |change: &dyn Fn(&mut Posed)| {
         let mut posed = solution.clone();
@@ -161,7 +152,7 @@ fn the_measure_sees_through_scalings() {
             elsewhere.add_elsewhere(factor * 1e6);
             agree(&format!("{name}, load of {factor:e} elsewhere"), &expected, &elsewhere.errors(&none), 0.0);
             // Earlier increments with terms so many times as large.
-            let terms = posed.force.iter().fold(0.0_f64, |m, f| m.max(f.abs())) / 1e5;
+            let terms = largest(&posed.force) / 1e5;
             agree(
                 &format!("{name}, earlier terms {factor:e}"),
                 &expected,
@@ -201,7 +192,7 @@ fn solutions(posed: &Posed) -> Vec<(String, HistoryOutcome)> {
 fn no_answer_hides_behind_a_large_number() {
     let posed = Posed::block();
     let references: Vec<State> = solutions(&posed).into_iter().map(|(_, outcome)| outcome.state).collect();
-    let largest = references[0].p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
+    let largest = largest(&references[0].p_n);
     for factor in FACTORS {
         let mut rows = posed.clone();
         (0..posed.gap.len()).for_each(|i| rows.scale_row(i, factor));

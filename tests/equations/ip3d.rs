@@ -1,17 +1,9 @@
 //! The interior point method with the exact cone, for friction in two tangential directions.
-#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
-use crate::common;
-use crate::common::random::{self, Random};
-use std::ops::Range;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::formulation::{ConeSystem, FormulationScaling, InteriorPoint};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Start, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, Increment, LoadCase, Loading, Parts};
+use crate::common::nodes::Count;
+use crate::common::prelude::*;
+use crate::common::random;
+use stickslip::solver::formulation::ConeSystem;
 
 const TIMES: [f64; 5] = [0.2, 0.4, 0.6, 0.8, 1.0];
 
@@ -28,18 +20,14 @@ fn bn(problem: &ContactProblem, loading: &Loading) -> HistorySettings {
     HistorySettings { halvings: 0, ..HistorySettings::new(problem, loading, Method::BN).unwrap().until(100, 1e-12) }
 }
 
-fn iterations(outcome: &HistoryOutcome) -> Vec<usize> {
-    outcome.records.iter().map(|record| record.iterations).collect()
-}
-
 fn distance(a: &[f64], b: &[f64]) -> f64 {
     let largest = a.iter().chain(b).fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
     assert_eq!(a.len(), b.len());
     a.iter().zip(b).map(|(a, b)| (a - b).abs() / largest).fold(0.0, f64::max)
 }
 
-/// Runs both methods, which have to agree; the iterations of the interior point method.
-fn agree(problem: &ContactProblem, loading: &Loading, what: &str) -> Vec<usize> {
+/// Runs both methods, which have to agree; the history of the interior point method.
+fn agree(problem: &ContactProblem, loading: &Loading, what: &str) -> HistoryOutcome {
     let one = run(problem, loading, &TIMES, &ip(problem, loading));
     assert_eq!(one.status, Status::Converged, "{what}: {:?}, {:?}", one.violation, iterations(&one));
     let other = run(problem, loading, &TIMES, &bn(problem, loading));
@@ -48,32 +36,13 @@ fn agree(problem: &ContactProblem, loading: &Loading, what: &str) -> Vec<usize> 
     for (a, b) in [(&a.u, &b.u), (&a.p_n, &b.p_n), (&a.p_t, &b.p_t), (&a.p_o, &b.p_o)] {
         assert!(distance(a, b) <= 1e-8, "{what}: {}", distance(a, b));
     }
-    iterations(&one)
+    one
 }
 
-#[derive(Default)]
-struct Count {
-    increments: usize,
-    sum: usize,
-    most: usize,
-}
-
-impl Count {
-    fn add(&mut self, iterations: &[usize]) {
-        self.increments += iterations.len();
-        self.sum += iterations.iter().sum::<usize>();
-        self.most = iterations.iter().fold(self.most, |m, k| m.max(*k));
-    }
-
-    fn mean(&self) -> f64 {
-        self.sum as f64 / self.increments as f64
-    }
-}
-
-impl std::fmt::Display for Count {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "{:.2} iterations (at most {}) in {} increments", self.mean(), self.most, self.increments)
-    }
+/// Fails unless an increment takes 15 iterations at most, on average.
+fn few(count: &Count) {
+    println!("{count}");
+    assert!(count.mean() <= 15.0, "{count}");
 }
 
 /// Loads that turn, friction from little to much.
@@ -112,10 +81,9 @@ fn random_histories_of_uneven_bodies() {
         let (problem, loading) = random::problem(&mut random, contacts, 0.8, 3.0);
         let outcome = run(&problem, &loading, &TIMES, &ip(&problem, &loading));
         assert_eq!(outcome.status, Status::Converged, "seed {seed}: {:?}", iterations(&outcome));
-        count.add(&iterations(&outcome));
+        count.add(&outcome);
     }
-    println!("{count}");
-    assert!(count.mean() <= 15.0, "{count}");
+    few(&count);
 }
 
 /// Nodes without friction among others, and nodes that have one tangent or none.
@@ -136,8 +104,7 @@ fn nodes_with_fewer_tangents() {
         });
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
-    println!("{count}");
-    assert!(count.mean() <= 15.0, "{count}");
+    few(&count);
 }
 
 /// A motion that moves all nodes along their normals costs no energy.
@@ -162,16 +129,12 @@ fn a_body_held_by_contact_only() {
         for x in &mut motion {
             *x /= size;
         }
-        let problem = ContactProblem::new(Parts {
-            stiffness: stiffness.into(),
-            rigid_modes: Some(vec![motion]),
-            ..held.into_parts()
-        })
-        .unwrap();
+        let problem = common::changed(&held, |parts| {
+            (parts.stiffness, parts.rigid_modes) = (stiffness.into(), Some(vec![motion]));
+        });
         count.add(&agree(&problem, &loading, &format!("seed {seed}")));
     }
-    println!("{count}");
-    assert!(count.mean() <= 15.0, "{count}");
+    few(&count);
 }
 
 /// Whatever pair of tangents a node has: the same displacements and forces in as many iterations.
@@ -252,8 +215,7 @@ fn the_paper_knows_one_tangent() {
 }
 
 fn punch(overrides: &[&str]) -> Scene {
-    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
-    Scene::parse("punch.toml", include_str!("../../data/scenes/punch.toml"), &overrides).unwrap()
+    parsed_with(PUNCH, overrides)
 }
 
 /// A problem in two dimensions with a third displacement at every contact node, along its second tangent,
@@ -310,8 +272,8 @@ fn two_dimensions_on(sizes: &[usize]) {
             assert_eq!((two.status, three.status), (Status::Converged, Status::Converged), "mu {mu}");
             assert!(distance(&two.state.p_n, &three.state.p_n) <= 1e-8);
             println!("mu {mu}: {:?} {:?}", iterations(&two), iterations(&three));
-            flat.add(&iterations(&two));
-            cone.add(&iterations(&three));
+            flat.add(&two);
+            cone.add(&three);
         }
     }
     println!("(25): {flat}; the exact cone: {cone}");

@@ -1,15 +1,9 @@
 //! The parts of Algorithm IP, each against its definition: the direction of (14), the step to the border,
 //! the potential (13), both partitions.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
+use crate::common::prelude::*;
 use crate::common::random;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::body::Model;
-use stickslip::run::{Run, discretise};
-use stickslip::solver::Increment;
-use stickslip::solver::formulation::{Constrained, FormulationScaling, InteriorPoint, Partition};
-use stickslip::solver::history::{Method, SolverChoice, Start, Status};
+use stickslip::solver::formulation::Constrained;
 
 /// A small block in which a node has friction, one has none, and one cannot slide.
 fn model() -> Model {
@@ -30,16 +24,15 @@ fn formulation(model: &Model, partition: Partition) -> Constrained {
     let mut formulation = Constrained::new(problem, model.scaling(), &conventions, partition);
     let force = model.loading.force_at(0.7, problem).unwrap();
     let w_t_last: Vec<f64> = (0..problem.contacts()).map(|i| 1e-6 * (i as f64).cos()).collect();
-    formulation.begin(
-        &Increment {
-            force: &force,
-            gap: model.loading.gap(),
-            mu: model.problem.mu(),
-            w_t_last: &w_t_last,
-            w_o_last: &vec![0.0; w_t_last.len()],
-        },
-        &vec![0.0; formulation.unknowns()],
-    );
+    let w_o_last = vec![0.0; w_t_last.len()];
+    let increment = Increment {
+        force: &force,
+        gap: model.loading.gap(),
+        mu: problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &w_o_last,
+    };
+    formulation.begin(&increment, &vec![0.0; formulation.unknowns()]);
     formulation
 }
 
@@ -84,7 +77,6 @@ fn the_direction_solves_the_linearised_equations() {
         let z = point(&formulation, spread);
         let b: Vec<f64> = (0..z.len()).map(|k| (2.0 + k as f64 * 1.3).cos()).collect();
         let dz = direction(&mut formulation, &z, &b);
-        let largest = |values: &[f64]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let step = largest(&z) / largest(&dz);
         let at = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
         let (ahead, behind) = (residual(&formulation, &at(step)), residual(&formulation, &at(-step)));
@@ -123,7 +115,7 @@ fn along_a_direction() {
         let ahead = |t: f64| z.iter().zip(&dz).map(|(z, dz)| z + t * dz).collect::<Vec<f64>>();
 
         let half = residual(&formulation, &ahead(0.5));
-        let size = h.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let size = largest(&h);
         for k in (0..h.len()).filter(|k| !g.contains(k)) {
             assert!((half[k] - 0.5 * h[k]).abs() <= 1e-12 * size, "row {k}");
         }

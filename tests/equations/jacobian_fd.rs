@@ -1,10 +1,6 @@
 //! The Jacobian (21) against finite differences of the residual (19), in every contact case.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use stickslip::run::discretise;
-use stickslip::solver::Increment;
-use stickslip::solver::formulation::{Bdiff, FormulationScaling};
+use crate::common::prelude::*;
 
 /// Contact cases by their choice of (p_n, gap left, p_t, slip) in units of force and length. Every
 /// choice stays clear of the borders between cases, so that a small step does not change them.
@@ -50,16 +46,9 @@ fn check_jacobian(overrides: &[&str]) {
         w_t_last[i] = (problem.c_t().times(&z[..problem.displacements()]).unwrap()[i] - slip / r(i)) * scaling.length;
     }
     let force: Vec<f64> = (0..layout.displacements()).map(|k| (k as f64).cos() * scaling.force).collect();
-    formulation.begin(
-        &Increment {
-            force: &force,
-            gap: &gap,
-            mu: model.problem.mu(),
-            w_t_last: &w_t_last,
-            w_o_last: &vec![0.0; w_t_last.len()],
-        },
-        &vec![0.0; formulation.unknowns()],
-    );
+    let w_o_last = vec![0.0; w_t_last.len()];
+    let increment = Increment { force: &force, gap: &gap, mu: problem.mu(), w_t_last: &w_t_last, w_o_last: &w_o_last };
+    formulation.begin(&increment, &vec![0.0; formulation.unknowns()]);
     assert!(formulation.linearize(&z));
     assert!(!formulation.linearize(&z), "the same state changes nothing");
 
@@ -118,16 +107,15 @@ fn merit_along_a_direction_is_the_merit() {
     let mut formulation = Bdiff::new(problem, scaling, &FormulationScaling::paper(problem.weight().unwrap()));
     let force = model.loading.force_at(1.0, problem).unwrap();
     let w_t_last = vec![0.0; problem.contacts()];
-    formulation.begin(
-        &Increment {
-            force: &force,
-            gap: model.loading.gap(),
-            mu: model.problem.mu(),
-            w_t_last: &w_t_last,
-            w_o_last: &vec![0.0; w_t_last.len()],
-        },
-        &vec![0.0; formulation.unknowns()],
-    );
+    let w_o_last = vec![0.0; w_t_last.len()];
+    let increment = Increment {
+        force: &force,
+        gap: model.loading.gap(),
+        mu: problem.mu(),
+        w_t_last: &w_t_last,
+        w_o_last: &w_o_last,
+    };
+    formulation.begin(&increment, &vec![0.0; formulation.unknowns()]);
     let n = formulation.unknowns();
     let z: Vec<f64> = (0..n).map(|k| (1.0 + k as f64 * 0.7).sin()).collect();
     let (mut h, mut dz) = (vec![0.0; n], vec![0.0; n]);

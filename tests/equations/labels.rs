@@ -1,10 +1,7 @@
 //! Where an equation is: the table of doc/method/architecture.md against the numbers in the code's own comments.
 
-#![allow(clippy::unwrap_used)]
-
+use crate::common::prelude::*;
 use std::collections::BTreeSet;
-use std::fs;
-use std::path::Path;
 
 /// What the paper's two algorithms are made of: from the README it takes two files to get to any of them.
 const WANTED: [u32; 14] = [11, 12, 19, 20, 21, 22, 25, 26, 27, 28, 29, 30, 31, 36];
@@ -37,23 +34,67 @@ fn comments(text: &str) -> String {
     text.lines().filter_map(|line| Some(line.split_once("//")?.1)).collect::<Vec<_>>().join("\n")
 }
 
-/// The rows of the table: the first column, and the files that the second names.
-fn rows(page: &str) -> Vec<(&str, Vec<String>)> {
+/// The names in quotes.
+fn quoted(cell: &str) -> impl Iterator<Item = &str> {
+    cell.split('`').skip(1).step_by(2)
+}
+
+/// The rows of the table: the first column, the files that the second names, and the tests of the last.
+fn rows(page: &str) -> Vec<(&str, Vec<String>, Vec<&str>)> {
     let section = page.split_once("## Where an equation is\n").unwrap().1;
     let section = section.split("\n## ").next().unwrap();
-    let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |")?.split_once(" | "));
-    let files = |place: &str| {
-        let quoted = place.split('`').skip(1).step_by(2).filter(|name| name.split('.').next_back() == Some("rs"));
-        quoted.map(|name| if name.starts_with("crates/") { name.to_string() } else { format!("src/{name}") }).collect()
+    let files = |place| {
+        let names = quoted(place).filter(|name| name.split('.').next_back() == Some("rs"));
+        names.map(|name| if name.starts_with("crates/") { name.to_string() } else { format!("src/{name}") }).collect()
     };
-    rows.map(|(what, place)| (what, files(place))).filter(|(_, files): &(_, Vec<_>)| !files.is_empty()).collect()
+    let rows = section.lines().filter_map(|line| line.strip_prefix("| ")?.strip_suffix(" |"));
+    rows.skip(2)
+        .map(|row| {
+            let cells: Vec<&str> = row.split(" | ").collect();
+            (cells[0], files(cells[1]), quoted(cells[cells.len() - 1]).collect())
+        })
+        .collect()
+}
+
+/// All Rust code below these folders.
+fn code(folders: &[&str]) -> String {
+    fn all(folder: &Path, into: &mut String) {
+        for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+            if path.is_dir() {
+                all(&path, into);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                into.push_str(&fs::read_to_string(&path).unwrap());
+            }
+        }
+    }
+    let (root, mut code) = (Path::new(env!("CARGO_MANIFEST_DIR")), String::new());
+    for folder in folders {
+        all(&root.join(folder), &mut code);
+    }
+    code
+}
+
+/// Each equation of the table is held by tests that exist.
+#[test]
+fn every_equation_is_held_by_a_test() {
+    let code = code(&["src", "crates", "studies", "tests"]);
+    let is_test = |name: &str| {
+        let heads = code.split("#[test]\n").skip(1).map(|rest| rest.split('{').next().unwrap());
+        heads.into_iter().any(|head| head.contains(&format!("fn {name}(")))
+    };
+    for (what, _, tests) in rows(&read("doc/method/architecture.md")) {
+        assert!(!tests.is_empty(), "the row `{what}` names no test");
+        for name in tests {
+            assert!(is_test(name), "there is no test `{name}`, but the row `{what}` says so");
+        }
+    }
 }
 
 #[test]
 fn every_equation_is_where_the_table_says() {
     let page = read("doc/method/architecture.md");
     let mut listed = BTreeSet::new();
-    for (what, files) in rows(&page) {
+    for (what, files, _) in rows(&page) {
         let equations = numbers(what);
         for file in files {
             let labels = numbers(&comments(&read(&file)));
@@ -73,20 +114,8 @@ fn every_equation_is_where_the_table_says() {
 /// The names of the code that the glossary gives are there.
 #[test]
 fn the_glossary_names_what_there_is() {
-    fn all(folder: &Path, into: &mut String) {
-        for entry in fs::read_dir(folder).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                all(&path, into);
-            } else if path.extension().is_some_and(|extension| extension == "rs") {
-                into.push_str(&fs::read_to_string(&path).unwrap());
-            }
-        }
-    }
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let mut code = String::new();
-    all(&root.join("src"), &mut code);
-    all(&root.join("crates"), &mut code);
+    let code = code(&["src", "crates"]);
     let page = read("doc/reference/glossary.md").replace("\\|", "");
     let columns = page.lines().filter_map(|line| line.strip_prefix("| **")?.strip_suffix(" |")?.rsplit('|').next());
     let names: Vec<&str> = columns.flat_map(|column| column.split('`').skip(1).step_by(2)).collect();

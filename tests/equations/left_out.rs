@@ -1,23 +1,12 @@
 //! What a scene does not need is not there, and its absence changes no result.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common;
-use crate::common::Keep;
-use stickslip::run::discretise;
-use stickslip::run::report::EliminatedUnknown;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver};
+use crate::common::prelude::*;
 
 fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let model = discretise(scene).unwrap();
     let solver = &scene.solver;
-    let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN)
-        .unwrap()
-        .until(solver.max_iterations, solver.tolerance);
-    let (linear, mut keep) = (SystemSolver::from(backend), Keep::default());
-    let outcome =
-        history::run(&model.problem, &model.loading, &scene.time.all(), &settings, linear, &mut keep).unwrap();
+    let settings = settings_of(&model, Method::BN).until(solver.max_iterations, solver.tolerance);
+    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, backend);
     assert_eq!(outcome.status, Status::Converged);
     (outcome, keep)
 }
@@ -27,7 +16,7 @@ fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
 fn friction() {
     for (name, mesh) in [("block.toml", "mesh.elements=[20,20]"), ("cube.toml", "mesh.elements=[6,6,6]")] {
         let scene = |mu: &str| common::scene(name, &[mesh, &format!("contact.friction={mu}")]);
-        for backend in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for backend in both() {
             let ((none, smooth), (little, rough)) = (solve(&scene("0"), backend), solve(&scene("1e-9"), backend));
             assert_eq!(none.layout.tangentials(), 0);
             assert!(none.layout.unknowns() < little.layout.unknowns());
@@ -36,8 +25,7 @@ fn friction() {
             let chance = if backend == LinearAlgebra::condensed() || name == "cube.toml" { 1.0 } else { 1.03 };
             assert!((fewer as f64) < chance * more as f64, "{name} {backend}: {fewer} {more}");
             for (a, b) in smooth.states.iter().zip(&rough.states) {
-                let largest = a.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
-                assert!(a.p_n.iter().zip(&b.p_n).all(|(a, b)| (a - b).abs() <= 1e-7 * largest), "{name} {backend}");
+                assert!(apart(&b.p_n, &a.p_n) <= 1e-7, "{name} {backend}");
                 assert!(a.p_t.iter().chain(&a.p_o).all(|p| *p == 0.0));
             }
         }
@@ -58,19 +46,17 @@ fn factors_of_a_proportional_history() {
 /// Without contact an increment is a substitution with the Cholesky factor of `K`.
 #[test]
 fn contact() {
-    let text = include_str!("../../data/scenes/cube.toml");
+    let text = CUBE;
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
-    let scene = Scene::parse("loose.toml", &text, &["mesh.elements=[5,5,5]".parse().unwrap()]).unwrap();
+    let scene = parsed_with(&text, &["mesh.elements=[5,5,5]"]);
     assert_eq!(scene.solver.linear, Some(LinearAlgebra::condensed()));
-    let [(whole, states), (cholesky, others)] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|backend| solve(&scene, backend));
+    let [(whole, states), (cholesky, others)] = both().map(|backend| solve(&scene, backend));
     assert_eq!((whole.linear.factorizations, cholesky.linear.factorizations), (1, 0));
     assert!(cholesky.linear.factor.entries < whole.linear.factor.entries);
     assert!(cholesky.records.iter().all(|record| record.iterations == 0));
     for (a, b) in states.states.iter().zip(&others.states) {
-        let largest = a.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
-        assert!(a.u.iter().zip(&b.u).all(|(a, b)| (a - b).abs() <= 1e-12 * largest));
+        assert!(apart(&b.u, &a.u) <= 1e-12);
     }
 }
 

@@ -1,5 +1,7 @@
 //! The algebra: laws, equations, solvers, error measure and verdicts, on matrices and on small bodies.
 
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
+
 #[path = "../common/mod.rs"]
 mod common;
 

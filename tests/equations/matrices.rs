@@ -1,8 +1,8 @@
 //! Matrices whose entries do not fit, or are no numbers, or ask for more memory than there is.
-#![allow(clippy::unwrap_used)]
 
-use stickslip::algebra::linear::{Cholesky, LinearError, SystemMatrix, backward_error};
-use stickslip::algebra::{Csc, Csr, MatrixError, Pattern, Symmetric};
+use crate::common::prelude::*;
+use stickslip::algebra::MatrixError;
+use stickslip::algebra::linear::{Cholesky, backward_error};
 
 /// Patterns whose entries are outside never reach a direct solver, nor values of another number (R2).
 #[test]

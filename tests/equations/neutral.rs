@@ -1,13 +1,7 @@
 //! Bodies that contact alone holds, on a node or along a line: whatever factors the systems, the answer is the same, and takes
 //! a few iterations.
-#![allow(clippy::unwrap_used)]
 
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Parts};
+use crate::common::prelude::*;
 
 /// A block under a load, on an obstacle that it touches in the middle of its bottom, and nothing else.
 fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
@@ -22,12 +16,12 @@ fn on_top(elements: &str, obstacle: &str, load: &str) -> Model {
         "#,
         vec![1.0; sides],
     );
-    discretise(&Scene::parse("on_top.toml", &text, &[]).unwrap()).unwrap()
+    model_of(&text)
 }
 
 pub fn solve(model: &Model, method: Method, linear: LinearAlgebra) -> HistoryOutcome {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
-    history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap()
+    let settings = settings_of(model, method);
+    history_of(model, model.times(), &settings, linear, &mut ())
 }
 
 /// What all linear algebras agree on, in so many iterations at most.
@@ -39,12 +33,8 @@ pub fn agreed(model: &Model, method: Method, iterations: usize) -> HistoryOutcom
         let taken: usize = outcome.records.iter().map(|record| record.iterations).sum();
         assert!(taken <= iterations, "{word} {method}: {taken}");
         let first = first.get_or_insert_with(|| outcome.clone());
-        let near = |a: &[f64], b: &[f64], error: f64| {
-            let largest = b.iter().fold(0.0_f64, |m, b| m.max(b.abs()));
-            a.iter().zip(b).all(|(a, b)| (a - b).abs() <= error * largest)
-        };
-        assert!(near(&outcome.state.p_n, &first.state.p_n, 1e-8), "{word} {method}");
-        assert!(near(&outcome.state.u, &first.state.u, 1e-6), "{word} {method}");
+        assert!(apart(&outcome.state.p_n, &first.state.p_n) <= 1e-8, "{word} {method}");
+        assert!(apart(&outcome.state.u, &first.state.u) <= 1e-6, "{word} {method}");
     }
     first.unwrap()
 }
@@ -63,7 +53,7 @@ fn a_block_on_a_line() {
         assert_eq!(pressed.len(), 3);
         assert!(pressed.iter().zip([25434.0, 25434.0, 49133.0]).all(|pair| off(pair) < 1.0), "{pressed:?}");
         // Of all places along the free motion the one next to where it came from.
-        let u = outcome.state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
+        let u = largest(&outcome.state.u);
         assert!(u < 2e-4, "{u}");
     }
 }

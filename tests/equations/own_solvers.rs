@@ -1,16 +1,8 @@
 //! Linear solvers of one's own: what is concluded from a matrix does not depend on what its solver says of its pivots, and what is
 //! solved badly is no result.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common::{self, Keep, difference};
-use std::sync::Arc;
-use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, RefinedSolver, SparseLu};
-use stickslip::algebra::{Csr, Pattern, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::solver::history::{self, Error, ExactPathSettings, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, CriticalFriction, Increment, Parts, State, critical_friction};
+use crate::common::prelude::*;
+use stickslip::solver::history::{Error, ExactPathSettings};
 
 /// The sparse LU of this build behind a mask.
 struct Masked {
@@ -122,7 +114,7 @@ fn a_critical_friction_of_bad_solves_is_an_error() {
 #[test]
 fn events_are_followed_by_any_solver() {
     let model = discretise(&common::block(&["mesh.elements=[6,6]", "time.increments=5"])).unwrap();
-    let increments = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
+    let increments = settings_of(&model, Method::BN);
     let settings = ExactPathSettings { jump: false, increments };
     let times = [0.5, 1.0];
     let run = |system: SystemSolver| {

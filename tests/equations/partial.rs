@@ -1,24 +1,11 @@
 //! The uncondensed system with its interior factored once a run: the results of a factorisation in each iteration.
-#![cfg(any(feature = "umfpack", feature = "faer"))]
-#![allow(clippy::unwrap_used)]
 
-use std::sync::Arc;
+#![cfg(any(feature = "umfpack", feature = "faer"))]
+
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::common;
-use crate::common::Keep;
-use stickslip::algebra::linear::{
-    FactorInfo, LinearError, LinearSolver, Partial, RefinedSolver, SparseCholesky, SparseLu, SystemMatrix,
-};
-use stickslip::algebra::{Csc, Pattern};
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::State;
-use stickslip::solver::formulation::Partition;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Start, Status, SystemSolver,
-};
+use stickslip::algebra::linear::Partial;
 
 const PARTIAL: LinearAlgebra = LinearAlgebra::Whole(SparseLu::Partial);
 
@@ -59,10 +46,8 @@ fn run_to(
     method: Method,
     system: SystemSolver,
 ) -> (HistoryOutcome, Vec<State>) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(200, tolerance);
-    let mut keep = Keep::default();
-    let times = scene.time.all();
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut keep).unwrap();
+    let settings = settings_of(model, method).until(200, tolerance);
+    let (outcome, keep) = kept(model, &scene.time.all(), &settings, system);
     (outcome, keep.states)
 }
 
@@ -190,7 +175,7 @@ fn the_stiffness_is_factored_once() {
 /// Failures have the verdicts of a factorisation in each iteration.
 #[test]
 fn verdicts_agree() {
-    let block = include_str!("../../data/scenes/block.toml");
+    let block = BLOCK;
     let coarse = || ["mesh.elements=[4,4]", "time.increments=2"].map(|text| text.parse().unwrap());
     let [contact, load] = ["[[contact]]", "[[load]]"].map(|table| block.find(table).unwrap());
     let without_contact = [&block[..contact], &block[load..]].concat();

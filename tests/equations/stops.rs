@@ -1,19 +1,9 @@
 //! Histories that end early: by request, or because the linear solver fails. The increments before stay.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::around::around;
-use std::ops::ControlFlow;
-use std::sync::Arc;
+use crate::common::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use stickslip::algebra::linear::LinearError;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{
-    self, Algorithm, Error, HistoryOutcome, HistorySettings, IncrementSolver, IncrementView, LinearAlgebra, Method,
-    Observer, Status, SystemSolver,
-};
-use stickslip::solver::{ContactProblem, IterationRecord, Loading, State};
+use stickslip::solver::IterationRecord;
+use stickslip::solver::history::Error;
 
 /// An observer that stops the history after an increment, or in one.
 struct Watched {
@@ -41,8 +31,7 @@ impl Observer for Watched {
 }
 
 fn block() -> (Scene, Model) {
-    let set = ["mesh.elements=[8,8]", "solver.setting='default'"].map(|text| text.parse().unwrap());
-    let scene = Scene::parse("block.toml", include_str!("../../data/scenes/block.toml"), &set).unwrap();
+    let scene = parsed_with(BLOCK, &["mesh.elements=[8,8]", "solver.setting='default'"]);
     let model = discretise(&scene).unwrap();
     (scene, model)
 }

@@ -1,10 +1,7 @@
 //! An increment of BN in the default setting starts on the tangent of the history: fewer iterations, the same answers.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::{Keep, block, difference, scene};
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, Method, SolverChoice, Status};
+use crate::common::prelude::*;
+use crate::common::{block, scene};
 
 /// The history of a scene by `method`, whose increments are not divided where nodes first touch.
 fn history(scene: &Scene, method: Method, linear: LinearAlgebra) -> (HistoryOutcome, Keep) {
@@ -24,8 +21,7 @@ fn iterations(outcome: &HistoryOutcome) -> usize {
 /// BN, whole and condensed, takes at most so many iterations to the states of the interior point method.
 fn agrees_within(scene: &Scene, most: usize) -> HistoryOutcome {
     let (_, expected) = history(scene, Method::Ip, LinearAlgebra::condensed());
-    let [(whole, whole_states), (condensed, states)] =
-        [LinearAlgebra::default(), LinearAlgebra::condensed()].map(|linear| history(scene, Method::BN, linear));
+    let [(whole, whole_states), (condensed, states)] = both().map(|linear| history(scene, Method::BN, linear));
     for (outcome, keep) in [(&whole, &whole_states), (&condensed, &states)] {
         let apart = difference(&expected.states, &keep.states);
         assert!(apart < 1e-8, "{apart:e}");

@@ -1,9 +1,6 @@
 //! A node that first touches within an increment: its motion before the touch is no slip.
-#![allow(clippy::unwrap_used)]
 
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, Method, Status, SystemSolver};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts};
+use crate::common::prelude::*;
 
 /// The gap of the node, m. Its springs have 2 N/m in each direction.
 const GAP: f64 = 0.4;

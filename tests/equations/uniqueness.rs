@@ -1,41 +1,18 @@
 //! Uniqueness: the critical friction against closed forms and dense algebra, and what happens
 //! below and above it to the one node of Klarbring (1990), worked out by hand.
 
-#![allow(clippy::unwrap_used)]
-
-use crate::common;
+use crate::common::prelude::*;
 use faer::Mat;
 use faer::prelude::Solve;
-use std::ops::ControlFlow;
-use stickslip::algebra::linear::RefinedSolver;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::base::Scaling;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::solver::formulation::{Bdiff, FormulationScaling, Pressure};
-use stickslip::solver::{
-    Armijo, Bn, ContactProblem, CriticalFriction, Increment, Parts, State, StopCriterion, critical_friction,
-};
-use stickslip::solver::{ContactStatus, KktErrors, KktScales, statuses};
+use stickslip::solver::formulation::Pressure;
+use stickslip::solver::{Armijo, Bn, StopCriterion};
 
 /// One node on a plane, `K = [[k_tt, k_tn], [k_tn, 2]]` N/m for `u = (u_t, u_n)`, no gap.
 fn node(k_tt: f64, k_tn: f64, mu: f64) -> ContactProblem {
     let entries = [(0, 0, k_tt), (1, 0, k_tn), (1, 1, 2.0)];
-    let stiffness = Symmetric::from_triplets(2, &entries).unwrap();
-    let c_o = Csr::empty(1, 2).unwrap();
-    let c_t = Csr::from_rows(2, [[(0, 1.0)]]).unwrap();
-    let c_n = Csr::from_rows(2, [[(1, 1.0)]]).unwrap();
+    let node = common::nodes::node(2, &entries, [&[(1, 1.0)], &[(0, 1.0)], &[]], mu);
     let rigid_modes = if k_tt == 0.0 { vec![vec![1.0, 0.0]] } else { vec![] };
-    ContactProblem::new(Parts {
-        stiffness: stiffness.into(),
-        c_n,
-        c_t,
-        c_o,
-        mu: vec![mu],
-        weight: Some(vec![1.0]),
-        rigid_modes: Some(rigid_modes),
-    })
-    .unwrap()
+    common::changed(&node, |parts| parts.rigid_modes = Some(rigid_modes))
 }
 
 /// The example of VERIFY: `K = [[2, 1.5], [1.5, 2]]`.
@@ -252,13 +229,8 @@ pub(crate) fn posed(
 pub(crate) fn posed_critical(cells: &str, n: usize, mu: f64, wanted: &[ContactStatus], s: &[f64]) -> f64 {
     let (model, gap, state, w_t_last) = posed(cells, n, mu, wanted, s);
     let force = vec![0.0; model.problem.displacements()];
-    let increment = Increment {
-        force: &force,
-        gap: &gap,
-        mu: model.problem.mu(),
-        w_t_last: &w_t_last,
-        w_o_last: &vec![0.0; w_t_last.len()],
-    };
+    let (mu, w_o_last) = (model.problem.mu(), vec![0.0; w_t_last.len()]);
+    let increment = Increment { force: &force, gap: &gap, mu, w_t_last: &w_t_last, w_o_last: &w_o_last };
     assert_eq!(statuses(&model.problem, &increment, &state).unwrap(), wanted);
     let mut linear = RefinedSolver::default();
     let critical =

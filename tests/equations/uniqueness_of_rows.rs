@@ -1,9 +1,7 @@
 //! The critical friction where rows hold three nodes: by the sign of the determinant of the whole system, and condensed.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use crate::uniqueness::{posed, posed_critical};
-use stickslip::algebra::linear::{RefinedSolver, SparseCholesky};
-use stickslip::solver::{Condensed, ContactProblem, ContactStatus, Increment, State, critical_friction};
 
 /// The sign of the determinant of J(κ), written down row by row and eliminated with pivots: equilibrium, then for each node the rows of
 /// its tangential and its normal force.

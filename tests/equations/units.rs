@@ -1,14 +1,7 @@
 //! The default settings in other units: the same statuses, the same counts, the same results.
-#![allow(clippy::unwrap_used)]
 
+use crate::common::prelude::*;
 use proptest::prelude::*;
-use std::ops::ControlFlow;
-use stickslip::base::Scaling;
-use stickslip::run::discretise;
-use stickslip::scene::{Override, Scene};
-use stickslip::solver::ContactStatus;
-use stickslip::solver::State;
-use stickslip::solver::history::{self, HistorySettings, IncrementView, Method, Observer, Status, SystemSolver};
 
 /// A unit of stress (Pa) and one of length (m): what a scene's numbers are multiples of.
 #[derive(Debug, Clone, Copy)]
@@ -53,7 +46,7 @@ fn scene(problem: Problem, Units { stress, length }: Units) -> Scene {
                 parse(format!("load[0].traction=[0,{traction:e}]")),
                 parse(format!("load[1].traction=[{traction:e},0]")),
             ];
-            let text = include_str!("../../data/scenes/block.toml");
+            let text = BLOCK;
             Scene::parse("block.toml", text, &[&common[..], &overrides].concat()).unwrap()
         }
         Problem::Punch { increments } => {
@@ -64,7 +57,7 @@ fn scene(problem: Problem, Units { stress, length }: Units) -> Scene {
                 parse(format!("contact.obstacle.apex=[0,{side:e}]")),
                 parse(format!("contact.obstacle.approach=[[0,0],[1,{:e}]]", 1e-4 / length)),
             ];
-            let text = include_str!("../../data/scenes/punch.toml");
+            let text = PUNCH;
             Scene::parse("punch.toml", text, &[&common[..], &overrides].concat()).unwrap()
         }
     }
@@ -91,10 +84,10 @@ fn run(method: &str, scene: &Scene, inside: impl Fn(Scaling) -> Scaling) -> Told
     let model = discretise(scene).unwrap();
     let scaling = inside(model.scaling());
     let method = if method == "bn" { Method::BN } else { Method::Ip };
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap().until(100, 1e-10);
+    let settings = settings_of(&model, method).until(100, 1e-10);
     let settings = HistorySettings { scaling, ..settings };
     let (mut told, times, system) = (Told::default(), scene.time.all(), SystemSolver::default());
-    let outcome = history::run(&model.problem, &model.loading, &times, &settings, system, &mut told).unwrap();
+    let outcome = history_of(&model, &times, &settings, system, &mut told);
     assert_eq!(outcome.status, Status::Converged);
     told
 }

@@ -1,11 +1,6 @@
 //! Verdicts where a careless one goes wrong.
-#![allow(clippy::unwrap_used)]
 
-use crate::common;
-use stickslip::body::Model;
-use stickslip::run::discretise;
-use stickslip::scene::Scene;
-use stickslip::solver::history::{self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status};
+use crate::common::prelude::*;
 use stickslip::solver::rigid_equilibrium;
 
 fn solve(overrides: &[&str]) -> HistoryOutcome {
@@ -61,7 +56,7 @@ const CORNER: &str = r#"
 /// A body pressed into a corner, held by contact alone; the corner node meets two obstacles.
 #[test]
 fn a_block_in_a_corner() {
-    let scene = Scene::parse("corner.toml", CORNER, &[]).unwrap();
+    let scene = parsed(CORNER);
     let model = discretise(&scene).unwrap();
     assert_eq!((model.rigid_motions.len(), model.contacts.len()), (3, 14));
     let outcome = common::run(&scene, &model, &mut ());
@@ -102,9 +97,7 @@ fn sliding_to_a_wall_is_an_equilibrium() {
         let u = model.dofs.displacements(&outcome.state.u);
         assert!(u.into_iter().all(|u| (u[0] - 1.0).abs() < 1e-3));
         let (_, near) = towards_a_wall(1e-3, setting);
-        let largest = near.state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
-        let pairs = outcome.state.p_n.iter().zip(&near.state.p_n);
-        assert!(pairs.clone().all(|(far, near)| (far - near).abs() < 1e-9 * largest), "{setting}");
+        assert!(apart(&outcome.state.p_n, &near.state.p_n) < 1e-9, "{setting}");
     }
 }
 
@@ -125,17 +118,16 @@ fn a_balance_across_an_edge_is_not_denied() {
             time = {{ end = 1, increments = 2 }}
             "#
         );
-        Scene::parse("edge.toml", &text, &[]).unwrap()
+        parsed(&text)
     };
     let outcome = |pull: f64, linear: LinearAlgebra| {
         let scene = scene(pull);
         let model = discretise(&scene).unwrap();
-        let settings = HistorySettings::new(&model.problem, &model.loading, Method::BN).unwrap();
-        let outcome =
-            history::run(&model.problem, &model.loading, model.times(), &settings, linear.into(), &mut ()).unwrap();
+        let settings = settings_of(&model, Method::BN);
+        let outcome = history_of(&model, model.times(), &settings, linear, &mut ());
         (outcome.status, outcome.records.len(), outcome.free_motion.is_some())
     };
-    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+    for linear in both() {
         assert_eq!(outcome(0.45e5, linear), (Status::Converged, 2, false));
         // More than all friction there is.
         assert_eq!(outcome(0.55e5, linear), (Status::Slips, 1, true));
@@ -149,7 +141,7 @@ fn a_balance_across_an_edge_is_not_denied() {
 #[test]
 fn sliding_away_is_a_slip() {
     let wall = "        { boundary = \"right\", friction = 0.2, obstacle = { kind = \"plane\" } },\n";
-    let scene = Scene::parse("slide.toml", &common::edit(CORNER, wall, ""), &[]).unwrap();
+    let scene = parsed(&common::edit(CORNER, wall, ""));
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Slips, "{:?}", outcome.records.last());

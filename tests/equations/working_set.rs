@@ -1,18 +1,8 @@
 //! Condensed equations that do not hold all contact nodes: the answer is that of all of them, whichever they begin with.
-#![allow(clippy::unwrap_used)]
 
-use crate::common::random::Random;
-use crate::common::{self, Keep, difference};
-use stickslip::algebra::linear::SparseCholesky;
-use stickslip::algebra::{Csr, Symmetric};
-use stickslip::body::Model;
-use stickslip::run::report::EliminatedUnknown;
-use stickslip::run::{Recording, Run, discretise};
-use stickslip::scene::Scene;
-use stickslip::solver::history::{
-    self, HistoryOutcome, HistorySettings, LinearAlgebra, Method, Status, SystemSolver, WorkingSet,
-};
-use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts, working_set};
+use crate::common::prelude::*;
+use stickslip::solver::history::WorkingSet;
+use stickslip::solver::working_set;
 
 /// Runs `method` on condensed equations that hold the nodes `first`, or all.
 fn condensed(scene: &Scene, model: &Model, method: Method, first: Option<Vec<usize>>) -> (HistoryOutcome, Keep) {
@@ -26,7 +16,7 @@ fn solve(
     first: Option<Vec<usize>>,
     linear: LinearAlgebra,
 ) -> (HistoryOutcome, Keep) {
-    let settings = HistorySettings::new(&model.problem, &model.loading, method).unwrap();
+    let settings = settings_of(model, method);
     let settings = HistorySettings { working_set: first, ..settings };
     let (problem, loading, times, mut keep) = (&model.problem, &model.loading, scene.time.all(), Keep::default());
     let outcome = history::run(problem, loading, &times, &settings, SystemSolver::from(linear), &mut keep).unwrap();
@@ -102,7 +92,7 @@ fn any_set_leads_to_the_same_answer() {
     let mut random = Random(18);
     let mut grown = 0;
     for (name, text) in scenes() {
-        let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
         let (whole, expected) = solve(&scene, &model, Method::BN, None, LinearAlgebra::default());
         assert_eq!(whole.status, Status::Converged, "{name}");
@@ -126,7 +116,7 @@ fn any_set_leads_to_the_same_answer() {
 #[test]
 fn a_set_of_all_nodes_changes_nothing() {
     for (name, text) in scenes() {
-        let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+        let scene = parsed(&text);
         let model = discretise(&scene).unwrap();
         let all = (0..model.problem.contacts()).collect();
         let (none, expected) = condensed(&scene, &model, Method::BN, None);
@@ -141,7 +131,7 @@ fn a_set_of_all_nodes_changes_nothing() {
 #[test]
 fn sets_that_need_not_grow() {
     let (_, text) = scenes().swap_remove(0);
-    let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+    let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let (_, keep) = condensed(&scene, &model, Method::BN, None);
     let pressed = |i: &usize| keep.states.iter().any(|state| state.p_n[*i] > 0.0);
@@ -201,7 +191,7 @@ fn a_set_that_is_wrong_five_times_in_a_row() {
 #[test]
 fn a_failure_is_that_of_all_nodes() {
     let (_, text) = scenes().swap_remove(0);
-    let scene = Scene::parse("scene.toml", &text, &[]).unwrap();
+    let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
     let (problem, loading, times) = (&model.problem, &model.loading, scene.time.all());
     let settings = HistorySettings::new(problem, loading, Method::BN).unwrap().until(1, 1e-10);
@@ -250,8 +240,7 @@ fn what_is_within_reach() {
 fn a_long_face_under_a_small_roller() {
     let obstacle = "{ kind = \"cylinder\", radius = 20.0, apex = [3.0, 1.0], approach = [[0, 0], [1, 1e-3], [2, 0]] }";
     let text = block("[10.0, 1.0]", "[700, 3]", 0.3, obstacle, "[time]\nend = 2.0\nincrements = 4\n");
-    let scene =
-        |solver: &str| Scene::parse("face.toml", &format!("{text}[solver]\nlinear = \"{solver}\"\n"), &[]).unwrap();
+    let scene = |solver: &str| parsed(&format!("{text}[solver]\nlinear = \"{solver}\"\n"));
     let whole = if cfg!(feature = "umfpack") { "umfpack" } else { "faer" };
     let [condensed, whole] = ["condensed", whole].map(scene);
     let run = Run::new(&condensed).unwrap();

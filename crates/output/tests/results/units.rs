@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 
 use crate::common::edit;
-use crate::common::faults::BLOCK;
+use crate::common::scenes::BLOCK;
 use crate::common::vtu::{Array, Piece};
 use std::fs;
 use std::ops::ControlFlow;
