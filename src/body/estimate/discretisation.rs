@@ -11,7 +11,7 @@
 //! relative to `√(uᵀ K u + η²)`.
 
 use super::recovery::{Places, recovered};
-use super::strains::Strains;
+use super::strains::{Strains, sum};
 use crate::algebra::vector::minus;
 use crate::body::mesh::MAX_NODES;
 use crate::body::model::Model;
@@ -19,9 +19,10 @@ use crate::body::model::Model;
 /// The error of a mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DiscretisationError {
-    /// The total error, as a share of the energy norm of the solution.
+    /// The error of a part of the body, as a share of the energy norm of its solution: of the part where it is largest. Neither
+    /// elasticity nor contact connects parts, so that a load on one hides no error of another.
     pub whole: f64,
-    /// The error of each cell in the same measure; the squares add up to the square of the total.
+    /// The error of each cell, as a share of the energy norm of all parts.
     pub of_cells: Vec<f64>,
     /// The relative error of the stresses in the root mean square; only for laws with a Poisson's ratio of 0.45 or
     /// more, where pressures may be very inaccurate but contribute little to the energy.
@@ -68,9 +69,14 @@ impl DiscretisationError {
         }
         let all = 2.0 * strains.energies.iter().sum::<f64>() + squares.iter().sum::<f64>();
         let share = |square: f64| (square / all).sqrt();
+        let of_part = |cells: Vec<usize>| {
+            let square = sum(&cells, &squares);
+            (square / (2.0 * sum(&cells, &strains.energies) + square)).sqrt()
+        };
+        let whole = strains.parts().into_iter().map(of_part).fold(0.0, f64::max);
         (all > 0.0).then(|| DiscretisationError {
             square: squares.iter().sum(),
-            whole: share(squares.iter().sum()),
+            whole,
             of_cells: squares.into_iter().map(share).collect(),
             stresses: (stresses[1] > 0.0).then(|| (stresses[0] / stresses[1]).sqrt()),
         })

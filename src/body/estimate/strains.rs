@@ -1,7 +1,7 @@
 //! The strains of a body at integration points.
 
 use crate::algebra::vector::{cross, dot};
-use crate::body::fem::{Element, with_dilatation};
+use crate::body::fem::{Elasticity, Element, with_dilatation};
 use crate::body::mesh::{CellKind, Geometry, MAX_NODES, Mesh, ReferenceCell, ReferenceCells, ReferencePoint};
 use crate::body::model::Model;
 
@@ -10,6 +10,9 @@ pub(super) type Sample = (f64, [f64; 6]);
 
 /// Strains count as rounding if they are smaller than this share of the displacements divided by the size of the body.
 const STRAIN_ROUNDING: f64 = 1e-10;
+
+/// Strain energies below this share of that of another part are rounding: displacements of 1e-10 of the others.
+const PART_ROUNDING: f64 = 1e-20;
 
 /// The elastic strains of a body.
 pub(super) struct Strains<'a> {
@@ -73,18 +76,34 @@ impl<'a> Strains<'a> {
         self.energies.iter().sum::<f64>() <= with_moved * (STRAIN_ROUNDING * moved).powi(2)
     }
 
-    /// Returns the root mean square of the magnitude `√(ε : ε)` of the strains, weighted by the strain energy; 0 without
-    /// strain energy.
+    /// Returns the cells of each part of the body that neither elasticity nor contact connects with another, without the
+    /// parts whose strains are rounding beside the largest.
+    pub(super) fn parts(&self) -> Vec<Vec<usize>> {
+        let model = self.body.model;
+        let natural = model.problem.natural();
+        let mut parts = vec![Vec::new(); natural.parts.max(1)];
+        for (e, cell) in model.mesh.cells.iter().enumerate() {
+            let free = cell.nodes.iter().flat_map(|&node| model.dofs.node(node)).flatten().next();
+            // A cell without a free displacement counts with the first part.
+            parts[free.map_or(0, |&dof| natural.part[dof])].push(e);
+        }
+        let energy = |cells: &Vec<usize>| sum(cells, &self.energies);
+        let largest = parts.iter().map(energy).fold(0.0, f64::max);
+        parts.retain(|cells| energy(cells) > PART_ROUNDING * largest);
+        parts
+    }
+
+    /// Returns the root mean square of the magnitude `√(ε : ε)` of the strains of a part, weighted by the strain energy: that of
+    /// the part where it is largest; 0 without strain energy.
     pub(super) fn magnitude(&self) -> f64 {
         let square =
             |[xx, yy, zz, xy, yz, zx]: [f64; 6]| xx * xx + yy * yy + zz * zz + 0.5 * (xy * xy + yz * yz + zx * zx);
-        let mut sum = 0.0;
-        for (e, law) in self.body.model.materials().iter().enumerate() {
-            sum +=
-                self.of_cell(e).iter().map(|(v, strain)| v * law.energy_density(strain) * square(*strain)).sum::<f64>();
-        }
-        let energy: f64 = self.energies.iter().sum();
-        if energy > 0.0 { (sum / energy).sqrt() } else { 0.0 }
+        let of_cell = |(e, law): (usize, &Elasticity)| {
+            self.of_cell(e).iter().map(|(v, strain)| v * law.energy_density(strain) * square(*strain)).sum::<f64>()
+        };
+        let squares: Vec<f64> = self.body.model.materials().iter().enumerate().map(of_cell).collect();
+        let of_part = |cells: Vec<usize>| (sum(&cells, &squares) / sum(&cells, &self.energies)).sqrt();
+        self.parts().into_iter().map(of_part).fold(0.0, f64::max)
     }
 
     /// Returns the mean dilatation of cell `e`.
@@ -211,6 +230,11 @@ pub(super) fn points_of(mesh: &Mesh, geometry: Geometry, kinds: &ReferenceCells,
         (at(point, geometry, &nodes, &nodes).0, [0, 1, 2].map(along))
     };
     points.iter().map(place).collect()
+}
+
+/// Returns the sum of a value over `cells`.
+pub(super) fn sum(cells: &[usize], of_cells: &[f64]) -> f64 {
+    cells.iter().map(|&e| of_cells[e]).sum()
 }
 
 /// Computes `tr ε`.

@@ -286,13 +286,16 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
 }
 
 /// Fails if an edge of second order is between a triangle and a quadrilateral with contact, on which the shares of its
-/// ends differ, see [`Mesh::share_of_ends`].
+/// ends differ, see [`Mesh::share_of_ends`]. The rows of glue are those of its own pair alone.
 fn edges_are_alike(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Result<(), InputError> {
     if mesh.dimension == 2 {
         return Ok(());
     }
-    let mut shares: BTreeMap<usize, f64> = BTreeMap::new();
+    let mut of_contacts: BTreeMap<usize, f64> = BTreeMap::new();
     for (k, contact) in description.contacts.iter().enumerate() {
+        let mut of_glue = BTreeMap::new();
+        let is_glued = contact.opposite().is_some_and(|opposite| opposite.glued);
+        let shares = if is_glued { &mut of_glue } else { &mut of_contacts };
         let pair = pairs.of_contact(k).map(|pair| &pairs.all[pair]);
         let own = find(mesh, pair.map_or(&contact.boundary, |pair| &pair.slave), &format!("contact[{k}]"))?;
         for facet in own.facets.iter().chain(pair.iter().flat_map(|pair| &pair.master.facets)) {

@@ -356,3 +356,34 @@ fn rounding_is_no_strain() {
         assert!(!report.warnings.iter().any(of_the_body), "{:?}", report.warnings);
     }
 }
+
+/// Parts that neither elasticity nor contact connects are estimated apart: a load on another body hides neither a coarse mesh nor
+/// large strains.
+#[test]
+fn a_load_elsewhere_hides_no_error_of_the_mesh() {
+    let body = |name: &str, x: f64, shear: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nat = [{x:?}, 0]\nmesh = {{ kind = \"block\", size = [1, 1], elements = [2, 2] }}\n\
+             material = {{ young = 1e6, poisson = 0.3 }}\n[[support]]\nboundary = \"{name}:bottom\"\nfix = [\"x\", \"y\"]\n\
+             [[load]]\nboundary = \"{name}:top\"\ntraction = [{shear:e}, 0]\n"
+        )
+    };
+    let time = "[time]\nend = 1\nincrements = 1\n";
+    let estimates = |text: &str| Run::new(&parsed(text)).unwrap().solve(&mut ()).unwrap().estimates;
+    let alone = estimates(&(body("soft", 0.0, 2e4) + time));
+    assert!(alone.discretisation.unwrap() > 0.15 && alone.strain.unwrap() > 0.01, "{alone:?}");
+    // Pressed evenly, the other body has no error, and hid that of the first.
+    for pressure in [1e3, 1e5] {
+        let other = format!(
+            "[[body]]\nname = \"hard\"\nat = [3.0, 0]\nmesh = {{ kind = \"block\", size = [1, 1], elements = [2, 2] }}\n\
+             material = {{ young = 1e8, poisson = 0.3 }}\n[[support]]\nboundary = \"hard:bottom\"\nfix = [\"y\"]\n\
+             [[support]]\nboundary = \"hard:left\"\nfix = [\"x\"]\n[[load]]\nboundary = \"hard:top\"\npressure = {:e}\n",
+            1e2 * pressure
+        );
+        let both = estimates(&(body("soft", 0.0, 2e4) + &other + time));
+        for (alone, both) in [(alone.discretisation, both.discretisation), (alone.strain, both.strain)] {
+            let (alone, both) = (alone.unwrap(), both.unwrap());
+            assert!((both / alone - 1.0).abs() < 1e-9, "{pressure}: {both}, alone {alone}");
+        }
+    }
+}
