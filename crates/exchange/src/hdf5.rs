@@ -67,7 +67,7 @@ fn expect_room(needed: u64, length: usize) -> Result<(), Hdf5Error> {
 
 /// A file, and its length in bytes.
 pub(super) struct File {
-    file: Hdf5File,
+    content: Hdf5File,
     length: usize,
     /// The bytes of memory requested so far.
     taken: Cell<u64>,
@@ -80,7 +80,7 @@ impl File {
             let what = "the file is shorter than it says, as where a transfer was cut off";
             return Err(Hdf5Error::Damaged { what: what.to_string() });
         }
-        Ok(File { file: Hdf5File::from_bytes(bytes)?, length: bytes.len(), taken: Cell::new(0) })
+        Ok(File { content: Hdf5File::from_bytes(bytes)?, length: bytes.len(), taken: Cell::new(0) })
     }
 
     /// Returns the length of the file, bytes.
@@ -97,18 +97,18 @@ impl File {
 
     /// Returns `true` if there is a group or a dataset at `path`, whose names are separated by `/`.
     pub(super) fn has(&self, path: &str) -> Result<bool, Hdf5Error> {
-        Ok(self.dataset(path)?.is_some() || error::found(self.file.group(path))?.is_some())
+        Ok(self.dataset(path)?.is_some() || error::found(self.content.group(path))?.is_some())
     }
 
     /// Returns the dataset at `path`, if any. Its values are read on request.
     pub(super) fn dataset(&self, path: &str) -> Result<Option<Dataset>, Hdf5Error> {
-        let Some(values) = error::found(self.file.dataset(path))? else { return Ok(None) };
+        let Some(values) = error::found(self.content.dataset(path))? else { return Ok(None) };
         let count = usize::try_from(values.num_elements()?).unwrap_or(usize::MAX);
-        let header = self.file.get_or_parse_header(values.address())?;
+        let header = self.content.get_or_parse_header(values.address())?;
         let is_nowhere = |message: &HdfMessage| match message {
             HdfMessage::DataLayout(layout) => match layout.layout {
                 DataLayout::Contiguous { address, .. } | DataLayout::Chunked { address, .. } => {
-                    hdf5_reader::io::Cursor::is_undefined_offset(address, self.file.superblock().offset_size)
+                    hdf5_reader::io::Cursor::is_undefined_offset(address, self.content.superblock().offset_size)
                 }
                 DataLayout::Compact { .. } => false,
             },

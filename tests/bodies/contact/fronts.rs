@@ -89,7 +89,7 @@ fn of_several_obstacles_the_nearest_counts() {
             body.trim_matches(['{', '}', ' ']).replace(", a", "\na").replace(", r", "\nr")
         )
     };
-    let text = BELT.replace(&format!("    obstacle = {{ {PLANE} }}\n"), &format!("{}{}", table(one), table(other)));
+    let text = BELT.replace(&format!("obstacle = {{ {PLANE} }}\n"), &format!("{}{}", table(one), table(other)));
     let scene = parsed_with(&text, &["contact.obstacle[0].radius=0.3"]);
     let by_tables = discretise(&scene).unwrap();
     assert_eq!(by_tables.loading, model.loading);
