@@ -99,12 +99,12 @@ impl RateSearch<'_> {
         let problem = self.problem;
         let mut base = statuses.to_vec();
         for &i in concerned {
-            base[i] = unknowns.base(problem.may[i], problem.rough[i]);
+            base[i] = unknowns.base(problem.may[i], problem.has_friction[i]);
         }
         if !self.rates(&base)? {
             return Ok(None);
         }
-        let ways = |i: usize| unknowns.ways(problem.may[i], problem.rough[i]);
+        let ways = |i: usize| unknowns.ways(problem.may[i], problem.has_friction[i]);
         let rows = |given: &Given, rate: &NodalContact| -> Vec<f64> {
             let row = |&i: &usize| ways(i).iter().map(move |way| problem.row(unknowns, i, *way, given, rate));
             concerned.iter().flat_map(row).collect()
@@ -140,7 +140,7 @@ impl RateSearch<'_> {
         let mut basic = &basic[..];
         for &i in concerned {
             let (taken, others) = basic.split_at(ways(i).len());
-            found[i] = unknowns.status(problem.may[i], problem.rough[i], taken);
+            found[i] = unknowns.status(problem.may[i], problem.has_friction[i], taken);
             basic = others;
         }
         Ok(Some(found))
@@ -151,7 +151,7 @@ impl RateProblem<'_> {
     /// Divides lengths by `unit`.
     fn measure(&self, concerned: &[usize], unit: f64, q: &mut [f64], m: &mut [f64]) {
         let n = q.len();
-        let ways = || concerned.iter().flat_map(|&i| Unknowns::Forces.ways(self.may[i], self.rough[i]));
+        let ways = || concerned.iter().flat_map(|&i| Unknowns::Forces.ways(self.may[i], self.has_friction[i]));
         let is_slip: Vec<bool> = ways().map(|way| *way == Way::Slip).collect();
         for (row, values) in m.chunks_exact_mut(n).enumerate().filter(|(row, _)| !is_slip[*row]) {
             q[row] /= unit;
@@ -321,7 +321,7 @@ mod tests {
                 tangents: &[Some(0); NODES],
                 given: &given,
                 mu: problem.mu(),
-                rough: &[true; NODES],
+                has_friction: &[true; NODES],
                 may: &[AdmissibleTransition::Anything; NODES],
             };
             let mut linear = RefinedSolver::default();

@@ -17,7 +17,7 @@ use faer::linalg::solvers::DenseSolveCore;
 
 use super::coordinates::Coordinates;
 use super::node::{Given, NodalContact, NodeStatus, largest};
-use super::tangent::{Taken, Tangent};
+use super::tangent::{Snapshot, Tangent};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::algebra::vector::dot;
 use crate::base::units::Scaling;
@@ -360,22 +360,23 @@ impl Tangent for Dictionary {
         self.statistics
     }
 
-    fn taken(&self) -> Taken {
-        Taken { statuses: self.statuses.clone(), table: self.table.clone(), statistics: self.statistics }
+    fn snapshot(&self) -> Snapshot {
+        Snapshot { statuses: self.statuses.clone(), table: self.table.clone(), statistics: self.statistics }
     }
 
-    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
         let n = self.coordinates.order();
-        let fits = [0, n * n].contains(&taken.table.len()) && (taken.table.is_empty() || !taken.statuses.is_empty());
+        let fits =
+            [0, n * n].contains(&snapshot.table.len()) && (snapshot.table.is_empty() || !snapshot.statuses.is_empty());
         if fits {
-            self.statuses.clone_from(&taken.statuses);
-            self.table.clone_from(&taken.table);
-            self.statistics = taken.statistics;
+            self.statuses.clone_from(&snapshot.statuses);
+            self.table.clone_from(&snapshot.table);
+            self.statistics = snapshot.statistics;
         }
         Ok(fits)
     }
 
-    fn lend(&mut self) -> Option<&mut RefinedSolver> {
+    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
         None
     }
 }

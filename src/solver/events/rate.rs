@@ -111,7 +111,8 @@ impl RateSearch<'_> {
             let worst = breaches.iter().max_by(|a, b| a.size.total_cmp(&b.size));
             let Some(Breach { node, to, .. }) = worst else { return Ok(true) };
             // A grazing node may skip the correct status in a cycle, so each status is tried in turn.
-            let next = if self.problem.may[*node] == AdmissibleTransition::Anything && self.problem.rough[*node] {
+            let next = if self.problem.may[*node] == AdmissibleTransition::Anything && self.problem.has_friction[*node]
+            {
                 tried[*node][place(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
                 others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
@@ -150,7 +151,7 @@ impl RateSearch<'_> {
     fn choices(&self, i: usize) -> Vec<NodeStatus> {
         match self.problem.may[i] {
             AdmissibleTransition::Turn(sign) => vec![NodeStatus::Stick, NodeStatus::slip(sign)],
-            _ if self.problem.rough[i] => ALL.to_vec(),
+            _ if self.problem.has_friction[i] => ALL.to_vec(),
             _ => vec![NodeStatus::Forward, NodeStatus::Open],
         }
     }

@@ -18,7 +18,7 @@ pub(super) struct RateProblem<'a> {
     pub given: &'a Given,
     pub mu: &'a [f64],
     /// `true` for each node with friction.
-    pub rough: &'a [bool],
+    pub has_friction: &'a [bool],
     pub may: &'a [AdmissibleTransition],
 }
 
@@ -90,7 +90,7 @@ impl RateProblem<'_> {
         for (i, (&status, &may)) in statuses.iter().zip(self.may).enumerate() {
             let slip = rate.w_t[i] - self.given.slide[i];
             let beyond = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
-            let along = |sign: f64| if self.rough[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
+            let along = |sign: f64| if self.has_friction[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
             let (value, scale, to) = match (may, status) {
                 (AdmissibleTransition::Anything, NodeStatus::Open) => {
                     (rate.w_n[i] - self.given.gap[i], length, along(slip))
@@ -99,7 +99,7 @@ impl RateProblem<'_> {
                     (-rate.p_n[i], force, NodeStatus::Open)
                 }
                 (AdmissibleTransition::Stay, _) | (_, NodeStatus::Open) => continue,
-                _ if !self.rough[i] => continue,
+                _ if !self.has_friction[i] => continue,
                 (AdmissibleTransition::Anything, NodeStatus::Stick) => {
                     let sign = if rate.p_t[i] < 0.0 { -1.0 } else { 1.0 };
                     (beyond(sign), force, NodeStatus::slip(sign))

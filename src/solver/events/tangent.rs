@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 
 /// A snapshot of the equations.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub(super) struct Taken {
+pub(super) struct Snapshot {
     /// The statuses; empty before the first are set.
     pub statuses: Vec<NodeStatus>,
     /// The dictionary, if the equations depend on all earlier statuses.
@@ -54,16 +54,16 @@ pub(super) trait Tangent {
     fn statistics(&self) -> Statistics;
 
     /// Returns a snapshot of the equations.
-    fn taken(&self) -> Taken;
+    fn snapshot(&self) -> Snapshot;
 
     /// Restores the equations from a snapshot. Returns `false` if the snapshot belongs to another problem.
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError>;
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError>;
 
     /// Returns the linear solver for temporary use by other equations, if they can use it.
-    fn lend(&mut self) -> Option<&mut RefinedSolver>;
+    fn linear_mut(&mut self) -> Option<&mut RefinedSolver>;
 }
 
 /// A solution counts as that of a singular system if its rows are violated by more than this share of their largest
@@ -82,7 +82,7 @@ pub(super) struct SparseTangent<'a> {
     /// `true` if `linear` has factors.
     regular: bool,
     /// `true` if `linear` has served other equations since it last factored these.
-    lent: bool,
+    is_reused: bool,
     rhs: Vec<f64>,
     z: Vec<f64>,
 }
@@ -115,7 +115,7 @@ impl<'a> SparseTangent<'a> {
             r_n,
             r_t,
             regular: false,
-            lent: false,
+            is_reused: false,
             rhs: zeros(),
             z: zeros(),
             rows,
@@ -142,7 +142,7 @@ impl Tangent for SparseTangent<'_> {
             (normal, tangential)
         }));
         self.regular = false;
-        if std::mem::take(&mut self.lent) {
+        if std::mem::take(&mut self.is_reused) {
             self.linear.analyze(self.rows.jacobian())?;
         }
         if self.rows.unconstrained_mode().is_some() {
@@ -195,20 +195,20 @@ impl Tangent for SparseTangent<'_> {
         *self.linear.statistics()
     }
 
-    fn taken(&self) -> Taken {
-        Taken::default()
+    fn snapshot(&self) -> Snapshot {
+        Snapshot::default()
     }
 
     /// Factors the matrix of the snapshot's statuses alone, since intermediate statuses may be singular.
-    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
-        if !taken.statuses.is_empty() {
-            self.take(&taken.statuses)?;
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
+        if !snapshot.statuses.is_empty() {
+            self.take(&snapshot.statuses)?;
         }
         Ok(true)
     }
 
-    fn lend(&mut self) -> Option<&mut RefinedSolver> {
-        (self.lent, self.regular) = (true, false);
+    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
+        (self.is_reused, self.regular) = (true, false);
         Some(self.linear)
     }
 }
@@ -324,16 +324,16 @@ impl Tangent for Refined<'_> {
         self.equations.statistics()
     }
 
-    fn taken(&self) -> Taken {
-        Taken { statuses: self.statuses.clone(), ..self.equations.taken() }
+    fn snapshot(&self) -> Snapshot {
+        Snapshot { statuses: self.statuses.clone(), ..self.equations.snapshot() }
     }
 
-    fn take_up(&mut self, taken: &Taken) -> Result<bool, LinearError> {
-        self.statuses.clone_from(&taken.statuses);
-        self.equations.take_up(taken)
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
+        self.statuses.clone_from(&snapshot.statuses);
+        self.equations.restore(snapshot)
     }
 
-    fn lend(&mut self) -> Option<&mut RefinedSolver> {
-        self.equations.lend()
+    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
+        self.equations.linear_mut()
     }
 }

@@ -5,7 +5,7 @@ use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest
 use super::rate::Found;
 use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem, RateSearch};
 use super::stretch::{PathLoads, Stretch};
-use super::tangent::{Refined, SparseTangent, Taken, Tangent};
+use super::tangent::{Refined, Snapshot, SparseTangent, Tangent};
 use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::base::units::Scaling;
@@ -20,13 +20,13 @@ use serde::{Deserialize, Serialize};
 const NONE: f64 = 1e-13;
 
 /// The number of consecutive steps of zero length after which the statuses are assumed to cycle.
-const STANDSTILL: usize = 50;
+const MAX_ZERO_STEPS: usize = 50;
 
 /// The exact solution of a history up to the time reached.
 pub struct ExactPath<'a> {
     loads: PathLoads<'a>,
     mu: &'a [f64],
-    rough: Vec<bool>,
+    has_friction: Vec<bool>,
     equations: Refined<'a>,
     now: Reached,
 }
@@ -40,15 +40,15 @@ struct Reached {
     share: f64,
     statuses: Vec<NodeStatus>,
     /// The tangential position of each node at its last sticking, relative to the obstacle.
-    stuck: Vec<f64>,
+    w_t_stick: Vec<f64>,
     at: NodalContact,
     rate: NodalContact,
     /// `true` if `rate` remains valid; otherwise some nodes have just reached the border of a law.
-    decided: bool,
-    hit: Vec<bool>,
+    rates_valid: bool,
+    at_bound: Vec<bool>,
     /// The largest force and the largest displacement so far.
     largest: [f64; 2],
-    standstill: usize,
+    zero_steps: usize,
     effort: Effort,
 }
 
@@ -57,7 +57,7 @@ struct Reached {
 pub(crate) struct SavedExactPath {
     #[serde(flatten)]
     now: Reached,
-    equations: Taken,
+    equations: Snapshot,
     statistics: Statistics,
 }
 
@@ -84,7 +84,7 @@ impl<'a> ExactPath<'a> {
         }
         let tangents: Vec<Option<usize>> =
             (0..contacts).map(|i| layout.tangential(i).iter().position(Option::is_some)).collect();
-        let rough: Vec<bool> = tangents.iter().map(Option::is_some).collect();
+        let has_friction: Vec<bool> = tangents.iter().map(Option::is_some).collect();
         let equations: Box<dyn Tangent + 'a> = match equations {
             Equations::Sparse(linear) => Box::new(SparseTangent::new(problem, tangents.clone(), scaling, linear)?),
             Equations::Dense => {
@@ -98,18 +98,18 @@ impl<'a> ExactPath<'a> {
             stretch: Stretch::first(&loads),
             share: 0.0,
             statuses: vec![NodeStatus::Open; contacts],
-            stuck: vec![0.0; contacts],
+            w_t_stick: vec![0.0; contacts],
             at: NodalContact { u: vec![0.0; problem.displacements()], ..none() },
             rate: none(),
-            decided: false,
-            hit: vec![false; contacts],
+            rates_valid: false,
+            at_bound: vec![false; contacts],
             largest: [0.0; 2],
-            standstill: 0,
+            zero_steps: 0,
             effort: Effort::default(),
         };
-        let mut walk = ExactPath { loads, mu: problem.mu(), rough, equations: refined, now };
-        walk.begin()?;
-        Ok(walk)
+        let mut path = ExactPath { loads, mu: problem.mu(), has_friction, equations: refined, now };
+        path.begin()?;
+        Ok(path)
     }
 
     /// Sets the initial statuses. Nodes that touch start closed: if contact alone holds the body, all other statuses
@@ -129,9 +129,10 @@ impl<'a> ExactPath<'a> {
             }
         };
         for i in nodes {
-            self.now.statuses[i] = if self.rough[i] { NodeStatus::Stick } else { NodeStatus::Forward };
+            self.now.statuses[i] = if self.has_friction[i] { NodeStatus::Stick } else { NodeStatus::Forward };
         }
-        self.now.stuck = self.now.at.w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.now.w_t_stick =
+            self.now.at.w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
         Ok(())
     }
 
@@ -152,7 +153,7 @@ impl<'a> ExactPath<'a> {
     /// Advances to the next load segment.
     fn next_stretch(&mut self) {
         self.now.stretch.next(&self.loads);
-        (self.now.share, self.now.decided) = (0.0, false);
+        (self.now.share, self.now.rates_valid) = (0.0, false);
     }
 
     /// Returns the time reached, s.
@@ -204,15 +205,15 @@ impl<'a> ExactPath<'a> {
     }
 
     /// Returns the linear solver for temporary use by other equations, if they can use it.
-    pub(crate) fn lend(&mut self) -> Option<&mut RefinedSolver> {
-        self.equations.lend()
+    pub(crate) fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
+        self.equations.linear_mut()
     }
 
     /// Continues from another `state` at `time`, later than the time reached, with these `statuses` of the contact
     /// nodes.
     pub(crate) fn continue_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
         self.now.stretch.begin_at(time, &self.loads);
-        (self.now.share, self.now.decided) = (0.0, false);
+        (self.now.share, self.now.rates_valid) = (0.0, false);
         let Scaling { force, length } = self.loads.scaling;
         let [w_n, w_t, w_o] = self.loads.problem.contact_motion(&state.u);
         let (w_t, p_t) = (self.along([&w_t, &w_o], length), self.along([&state.p_t, &state.p_o], force));
@@ -220,11 +221,11 @@ impl<'a> ExactPath<'a> {
         self.now.statuses = (0..statuses.len())
             .map(|i| match statuses[i] {
                 ContactStatus::Open => NodeStatus::Open,
-                ContactStatus::Stick if self.rough[i] => NodeStatus::Stick,
+                ContactStatus::Stick if self.has_friction[i] => NodeStatus::Stick,
                 _ => NodeStatus::slip(p_t[i]),
             })
             .collect();
-        self.now.stuck = w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
+        self.now.w_t_stick = w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
         self.now.at = NodalContact {
             w_n: scaled(&w_n, length),
             w_t,
@@ -235,7 +236,7 @@ impl<'a> ExactPath<'a> {
             rounding: 0.0,
         };
         self.now.rate = NodalContact::zero(statuses.len());
-        (self.now.hit, self.now.standstill) = (vec![false; statuses.len()], 0);
+        (self.now.at_bound, self.now.zero_steps) = (vec![false; statuses.len()], 0);
         self.measure(&self.now.stretch.at.clone());
     }
 
@@ -255,7 +256,7 @@ impl<'a> ExactPath<'a> {
 
     /// Takes a snapshot of the path, from which it can continue later.
     pub(crate) fn save(&self) -> SavedExactPath {
-        SavedExactPath { now: self.now.clone(), equations: self.equations.taken(), statistics: self.statistics() }
+        SavedExactPath { now: self.now.clone(), equations: self.equations.snapshot(), statistics: self.statistics() }
     }
 
     /// Restores the path from a snapshot. Returns `false` if the snapshot belongs to another problem.
@@ -264,7 +265,7 @@ impl<'a> ExactPath<'a> {
     /// If the linear solver fails.
     pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Result<bool, LinearError> {
         let fits = saved.fits(self.now.at.u.len(), self.now.statuses.len());
-        if !fits || !self.equations.take_up(&saved.equations)? {
+        if !fits || !self.equations.restore(&saved.equations)? {
             return Ok(false);
         }
         self.now = saved.now;
@@ -285,7 +286,7 @@ impl<'a> ExactPath<'a> {
         } else {
             ((until - start) / (end - start)).max(self.now.share)
         };
-        if !self.now.decided {
+        if !self.now.rates_valid {
             let before = self.now.statuses.clone();
             if let Some(lost) = self.decide()? {
                 // The requested time is reached nevertheless. A further step will report the end of the path.
@@ -296,17 +297,20 @@ impl<'a> ExactPath<'a> {
             let changed = before.into_iter().zip(&self.now.statuses).enumerate().filter(|(_, (from, to))| from != *to);
             events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
         }
-        let (reach, hit) = self.reach();
-        let target =
-            if self.now.decided && end.is_infinite() { self.now.share } else { (self.now.share + reach).min(wanted) };
+        let (reach, at_bound) = self.reach();
+        let target = if self.now.rates_valid && end.is_infinite() {
+            self.now.share
+        } else {
+            (self.now.share + reach).min(wanted)
+        };
         let happens = !end.is_infinite() && self.now.share + reach <= wanted;
         let friction_work = self.go(target);
-        self.now.hit = vec![false; self.now.statuses.len()];
+        self.now.at_bound = vec![false; self.now.statuses.len()];
         if happens && target < 1.0 {
-            self.now.standstill = if reach <= NONE { self.now.standstill + 1 } else { 0 };
-            self.now.hit = hit;
-            self.now.decided = false;
-            if self.now.standstill > STANDSTILL {
+            self.now.zero_steps = if reach <= NONE { self.now.zero_steps + 1 } else { 0 };
+            self.now.at_bound = at_bound;
+            self.now.rates_valid = false;
+            if self.now.zero_steps > MAX_ZERO_STEPS {
                 let lost = PathEnd { time: self.time(), certain: false };
                 return Ok(PathSegment { events, friction_work, stop: SegmentEnd::PathEnd(lost) });
             }
@@ -317,11 +321,11 @@ impl<'a> ExactPath<'a> {
         }
         let arrived = until == end && start < end;
         if happens {
-            self.now.hit = hit;
+            self.now.at_bound = at_bound;
         }
-        let hit = std::mem::take(&mut self.now.hit);
+        let at_bound = std::mem::take(&mut self.now.at_bound);
         self.next_stretch();
-        self.now.hit = hit;
+        self.now.at_bound = at_bound;
         Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
     }
 
@@ -334,7 +338,7 @@ impl<'a> ExactPath<'a> {
             tangents: &self.loads.tangents,
             given: &self.now.stretch.change,
             mu: self.mu,
-            rough: &self.rough,
+            has_friction: &self.has_friction,
             may: &may,
         };
         let (tangent, rate, effort) = (&mut self.equations, &mut self.now.rate, &mut self.now.effort);
@@ -349,12 +353,12 @@ impl<'a> ExactPath<'a> {
         let mut given = self.now.stretch.given_at(self.now.share);
         for (i, status) in statuses.iter().enumerate() {
             if status.is_held() && !self.now.statuses[i].is_held() {
-                self.now.stuck[i] = self.now.at.w_t[i] - given.slide[i];
+                self.now.w_t_stick[i] = self.now.at.w_t[i] - given.slide[i];
             }
         }
-        (self.now.statuses, self.now.decided) = (statuses, true);
+        (self.now.statuses, self.now.rates_valid) = (statuses, true);
         // Solving anew, instead of adding the rates, keeps rounding and the touching tolerance from accumulating.
-        given.slide.iter_mut().zip(&self.now.stuck).for_each(|(slide, stuck)| *slide += stuck);
+        given.slide.iter_mut().zip(&self.now.w_t_stick).for_each(|(slide, w_t_stick)| *slide += w_t_stick);
         let mut anew = NodalContact::zero(self.now.statuses.len());
         if self.equations.solve(&given, &mut anew)? {
             self.now.at = anew;
@@ -387,13 +391,15 @@ impl<'a> ExactPath<'a> {
     fn may(&self, i: usize) -> AdmissibleTransition {
         let [force, length] = self.now.largest;
         match self.now.statuses[i] {
-            NodeStatus::Open if self.now.hit[i] || self.distance(i) <= NONE * length => AdmissibleTransition::Anything,
+            NodeStatus::Open if self.now.at_bound[i] || self.distance(i) <= NONE * length => {
+                AdmissibleTransition::Anything
+            }
             NodeStatus::Open => AdmissibleTransition::Stay,
             _ if self.now.at.p_n[i] <= NONE * force => AdmissibleTransition::Anything,
-            status if status.sign() != 0.0 && self.rough[i] => AdmissibleTransition::Turn(status.sign()),
+            status if status.sign() != 0.0 && self.has_friction[i] => AdmissibleTransition::Turn(status.sign()),
             NodeStatus::Stick => {
                 let sign = if self.now.at.p_t[i] < 0.0 { -1.0 } else { 1.0 };
-                if self.now.hit[i] || self.reserve(i, sign) <= NONE * force {
+                if self.now.at_bound[i] || self.reserve(i, sign) <= NONE * force {
                     AdmissibleTransition::Turn(sign)
                 } else {
                     AdmissibleTransition::Stay
@@ -408,8 +414,8 @@ impl<'a> ExactPath<'a> {
         let status = self.now.statuses[i];
         let slip = self.now.rate.w_t[i] - self.now.stretch.change.slide[i];
         match (may, status) {
-            _ if !self.now.hit[i] => status,
-            (AdmissibleTransition::Anything, NodeStatus::Open) if self.rough[i] => NodeStatus::slip(slip),
+            _ if !self.now.at_bound[i] => status,
+            (AdmissibleTransition::Anything, NodeStatus::Open) if self.has_friction[i] => NodeStatus::slip(slip),
             (AdmissibleTransition::Anything, NodeStatus::Open) => NodeStatus::Forward,
             (AdmissibleTransition::Anything, _) => NodeStatus::Open,
             (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => NodeStatus::slip(sign),
@@ -479,7 +485,7 @@ impl SavedExactPath {
             && contact(&self.now.at)
             && self.now.at.u.len() == displacements
             && contact(&self.now.rate)
-            && [self.now.statuses.len(), self.now.stuck.len(), self.now.hit.len()] == [contacts; 3]
+            && [self.now.statuses.len(), self.now.w_t_stick.len(), self.now.at_bound.len()] == [contacts; 3]
             && [0, contacts].contains(&self.equations.statuses.len())
     }
 }

@@ -110,7 +110,7 @@ pub fn follow_exact_path(
         SystemSolver::Condensed(condensation) => (RefinedSolver::default(), Some(condensation)),
     };
     if let Some(saved) = &saved {
-        linear = linear.after(saved.walk.statistics());
+        linear = linear.after(saved.path.statistics());
     }
     let condensed = condensation.as_ref().map(|body| Condensed::new(problem, loading, body.clone())).transpose();
     let path = match &condensed {
@@ -148,7 +148,7 @@ impl ExactHistory<'_> {
         let Body { problem, loading, condensed } = self.body;
         let factor = condensed.map(Condensed::info);
         if let Some(saved) = saved {
-            if !self.path.resume(saved.walk)? {
+            if !self.path.resume(saved.path)? {
                 return Err(CheckpointError::Damaged.into());
             }
             self.outcome.resume(saved.outcome);
@@ -282,7 +282,7 @@ impl ExactHistory<'_> {
         let scales = &mut self.scales[1];
         *scales = Judgement::near(problem, &data.increment(), &state, scales, settings.tolerance)?.scales();
         let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: scales.clone() };
-        let landed = match (self.condensation, self.path.lend()) {
+        let landed = match (self.condensation, self.path.linear_mut()) {
             (Some(condensation), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
             (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
             (None, None) => None,

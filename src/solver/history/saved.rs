@@ -41,7 +41,7 @@ pub(super) struct RunOf {
 }
 
 /// The version of the stored data and of their use by the methods.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 
 /// The data that determine the increments so far.
 const PARTS: [&str; 6] = [
@@ -66,7 +66,7 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct SavedPath {
     pub run: RunOf,
     pub outcome: HistoryOutcome,
-    pub walk: SavedExactPath,
+    pub path: SavedExactPath,
     /// As [`super::ExactPathSettings::jump`].
     jump: bool,
     /// The scales of the steps from event to event, and of the increments.
@@ -221,10 +221,10 @@ impl SavedPath {
         run: RunOf,
         jump: bool,
         outcome: &HistoryOutcome,
-        walk: &ExactPath<'_>,
+        path: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
-        let saved = SavedPath { run, outcome: outcome.so_far(), walk: walk.save(), jump, scales };
+        let saved = SavedPath { run, outcome: outcome.so_far(), path: path.save(), jump, scales };
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
 
