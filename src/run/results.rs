@@ -101,14 +101,14 @@ impl Run<'_> {
         let jump = or_missing(&mut missing, "the check for jumps of contact forces", jump);
         if converged {
             let by_start = self.friction_by_start(watches.jumps.largest(), observer);
-            estimates.start = or_missing(&mut missing, "what the first increment does to friction", by_start);
+            estimates.start = or_missing(&mut missing, "the error of friction by the first increment", by_start);
         }
         let critical = watches.last.as_ref().map_or(Ok(None), |last| self.critical_friction(last));
         let critical_friction = or_missing(&mut missing, "the critical friction", critical);
         Additional { estimates, jump, critical_friction, missing }
     }
 
-    /// Returns the report of a history solved by the linear solver of the name `linear`.
+    /// Returns the report of a history solved by the linear solver of the name `linear`, whose equations may be `condensed`.
     fn summary(
         &self,
         (linear, condensed): (String, bool),
@@ -174,7 +174,7 @@ impl Run<'_> {
     }
 
     /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in
-    /// contact zones of a few nodes, whose width depends on the mesh.
+    /// contact zones of a few nodes, whose width depends on the mesh, or with a stiffness that several processes share.
     fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
         let Model { problem, .. } = &*self.model;
         if self.choice.linear.is_shared() || problem.stiffness().distributed().is_some() {
@@ -220,7 +220,7 @@ impl Run<'_> {
         critical(problem, &data, state, scaling, &mut RefinedSolver::default())
     }
 
-    /// Returns a linear solver that would have been much faster than the one named by the scene. Returns `None` also if
+    /// Returns a linear solver that would have been much faster than the requested one. Returns `None` also if
     /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
     fn faster(&self, linear: &str, totals: &Totals, increments: usize) -> Option<Faster> {
         // A distributed stiffness has no local entries for the estimate.

@@ -1,7 +1,8 @@
 //! Tables of faults: what is changed in a text that is sound, and what has to be said of it.
 //!
-//! Each row of a table is a fault, with ` | ` between its cells. A row goes on in the next line behind a `|` or a `¶` at its end.
-//! `¶` is the end of a line of the text, ` & ` stands between words that all have to be said, `-` is a cell without words.
+//! Each row of a table is a fault, with ` | ` between its cells. A row goes on in the next line behind a `|` at its end, or
+//! behind a `¶` before its last cell.
+//! `¶` is the end of a line of the text, ` & ` stands between words that the message has to contain, `-` is a cell without words.
 
 use miette::Diagnostic;
 use stickslip::run::{RunError, discretise};

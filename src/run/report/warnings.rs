@@ -144,6 +144,23 @@ mod tests {
         assert_eq!(rows, kinds);
     }
 
+    /// The kinds that the page says are never to be ignored are those that studies never ignore.
+    #[test]
+    fn grave_kinds_are_never_to_be_ignored() {
+        let (_, list) = include_str!("warnings.rs").split_once("pub fn is_grave").unwrap();
+        let (list, _) = list.split_once("\n    }\n").unwrap();
+        let grave: BTreeSet<String> =
+            list.split("WarningKind::").skip(1).map(|name| in_words(first_word(name))).collect();
+        let page = include_str!("../../../doc/reference/warnings.md");
+        let never = page.lines().filter(|line| line.trim_end_matches([' ', '|']).ends_with("| never"));
+        let never: BTreeSet<String> = never.filter_map(|line| Some(line.split('`').nth(1)?.to_string())).collect();
+        assert_eq!(grave, never);
+    }
+
+    fn first_word(text: &str) -> &str {
+        text.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default()
+    }
+
     /// Returns the name as serde writes it.
     fn in_words(name: &str) -> String {
         let words = name.chars().enumerate().flat_map(|(k, c)| {

@@ -9,7 +9,7 @@
 //!
 //! # The working set
 //!
-//! The working set of an active set method is that of the contact nodes in condensed equations.
+//! Condensed equations contain the contact nodes of the working set only.
 //!
 //! Open nodes have `p = 0`. A state without some nodes therefore satisfies all laws if these nodes do not penetrate
 //! and the other nodes satisfy the laws. The verdict always covers all contact nodes. If nodes outside the working
@@ -35,8 +35,9 @@ use std::ops::ControlFlow;
 /// body that slides in a plane move far, until friction has turned.
 const NEAR_SLIP: f64 = 1.0 / 16.0;
 
-/// The largest number of touches at which an increment is divided. One leaves two nodes that touch one after the other; six halve
-/// no error further, and take five times as many iterations where a slender body lands on many nodes.
+/// The largest number of touches at which an increment is divided. With one division, two nodes that touch one after the other
+/// still have the wrong friction. Six divisions reduce the error of friction no further, and take five times as many iterations
+/// where a slender body lands on many nodes.
 const TOUCHES: usize = 2;
 
 /// The shortest substep that ends at a touch, relative to its increment.
@@ -200,7 +201,7 @@ impl IncrementDriver<'_> {
             if is_solved {
                 self.history.friction = self.friction_with(&substep);
             }
-            // An increment that ends at its first touch has none before.
+            // A substep that ends at a touch has no touch before.
             if touches_left > 0 && !divided && is_solved {
                 let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
                 if let Some((share, found)) =
@@ -355,8 +356,8 @@ impl IncrementDriver<'_> {
         self.stage.method.solve(&task, linear, observe)
     }
 
-    /// Judges the state that the method has reached at `time`, after refining it if needed. `scales` are those before
-    /// the substep.
+    /// Judges the state that the method has reached at `time`, after refining it if needed. `scales` are those of the
+    /// earlier increments and of the load of the substep.
     fn conclude(
         &mut self,
         time: f64,

@@ -1,5 +1,5 @@
-//! Algorithm BN: the B-differentiable Newton method. Steps 1 to 4 of the paper are marked in [`Bn::solve`]. `H` (19), its
-//! linearisation (21) and `Theta` are in `formulation/bdiff.rs`, the step size (12) in `armijo.rs`, the stopping tests in
+//! Algorithm BN: the B-differentiable Newton method. Steps 1 to 4 of the paper are marked in [`Bn::solve`]. `H` (19) and its
+//! linearisation (21) are assembled in `formulation/bdiff.rs` from the rows of a node in `laws/coulomb.rs`; the step size (12) is in `armijo.rs`, the stopping tests in
 //! [`StopCriterion`], what goes beyond the paper in `bn/beyond.rs`.
 
 mod beyond;
@@ -82,7 +82,7 @@ impl Bn {
             let changed = clock.time(|| formulation.linearize(z));
             let factored = changed || self.factored != Some(linear.generation());
             cycle.visit(formulation.cases());
-            // Where rows depend on each other, this is the solution for the forces referred to so far.
+            // Where rows depend on each other, this solves the proximal equations for the reference forces so far.
             if full_step && !changed && formulation.refer_to(z) {
                 theta = clock.time(|| self.evaluate(formulation, z))?;
             }
@@ -126,6 +126,7 @@ impl Bn {
                     Some(stop) => outcome.stop = stop,
                 }
             }
+            // Affine equations have this one solution; whether it is good enough is for the verdict.
             if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
                 break;
             }
