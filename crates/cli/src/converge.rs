@@ -52,6 +52,8 @@ pub enum Verdict {
     Singular,
     /// A run did not converge.
     NotConverged,
+    /// The user stopped the study.
+    Interrupted,
     /// The limit of runs was reached.
     RunLimit,
     /// The next run would exceed the limit of time.
@@ -165,10 +167,16 @@ fn solve(
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
     let report = run.solve(observer)?;
-    let failure = (report.status != Status::Converged).then(|| {
-        let reason = report.explanation.reason.clone();
-        if reason.is_empty() { report.status.to_string() } else { reason }
-    });
+    let reason = if report.explanation.reason.is_empty() {
+        report.status.to_string()
+    } else {
+        report.explanation.reason.clone()
+    };
+    let failure = match report.status {
+        Status::Converged => None,
+        Status::Interrupted => Some((Verdict::Interrupted, reason)),
+        _ => Some((Verdict::NotConverged, reason)),
+    };
     // Serialising never fails with these types.
     let told = serde_json::to_value(&report).unwrap_or_default();
     let value = sought.value(&told);

@@ -61,8 +61,8 @@ pub struct Step {
     pub doubt: Option<Verdict>,
     /// `true` if the value depends on the increments.
     pub follows_path: bool,
-    /// The reason why the run did not converge.
-    pub failure: Option<String>,
+    /// The end of the study and its reason, if the run did not converge.
+    pub failure: Option<(Verdict, String)>,
     /// Wall time, s.
     pub seconds: f64,
 }
@@ -191,8 +191,8 @@ pub(super) fn refine(
             }
             Err(error) => return Err(error),
         }
-        if let Some(reason) = steps.last().and_then(|step| step.failure.clone()) {
-            break (Verdict::NotConverged, reason);
+        if let Some(failure) = steps.last().and_then(|step| step.failure.clone()) {
+            break failure;
         }
         let found = errors(&steps);
         if is_known(&steps, found.as_ref(), limits.to) {
@@ -395,7 +395,13 @@ mod tests {
         let ended = study(0.02, value, |run, h| run.is_resolved = h < 0.4);
         assert_eq!(ended.verdict, Verdict::Known);
         assert!((ended.errors.unwrap().extrapolated() - 1.0).abs() < 1e-6);
-        let ended = study(0.02, |h, _| 1.0 + h, |run, h| run.failure = (h < 0.6).then(|| "no equilibrium".into()));
+        let ended = study(
+            0.02,
+            |h, _| 1.0 + h,
+            |run, h| {
+                run.failure = (h < 0.6).then(|| (Verdict::NotConverged, "no equilibrium".into()));
+            },
+        );
         assert_eq!((ended.verdict, ended.steps.len()), (Verdict::NotConverged, 2));
     }
 

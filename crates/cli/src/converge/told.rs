@@ -167,6 +167,7 @@ impl Convergence {
             Verdict::NotConverged => {
                 format!("{here} did not converge: {}; see stickslip run with this mesh", self.ended.reason)
             }
+            Verdict::Interrupted => format!("interrupted: {so_far}; the next study begins anew"),
             Verdict::RunLimit => format!("{so_far}{short}: {} runs are done (--max-runs)", self.ended.steps.len()),
             Verdict::TimeLimit => {
                 let next = self.ended.predicted.unwrap_or_default();
