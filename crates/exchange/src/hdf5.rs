@@ -23,6 +23,14 @@ const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// free memory.
 const UNPACKED: u64 = 8;
 
+/// The position of the properties of a number in its datatype, behind class, flags and size.
+const PROPERTIES: usize = 8;
+
+/// The properties of floating-point numbers of IEEE 754: offset and precision; positions and sizes of exponent and mantissa; bias.
+const DOUBLE: [u8; 12] = [0, 0, 64, 0, 52, 11, 0, 52, 0xff, 3, 0, 0];
+const SINGLE: [u8; 12] = [0, 0, 32, 0, 23, 8, 0, 23, 127, 0, 0, 0];
+const IEEE: &str = "floating-point numbers of IEEE 754 in 4 or 8 bytes";
+
 /// Returns the position of the superblock of a file: at its start, or after a user block, whose length is 512 bytes
 /// times a power of two.
 fn superblock(bytes: &[u8]) -> Option<usize> {
@@ -172,10 +180,11 @@ impl Dataset {
 
     /// Returns the `first` values of a dataset of integers.
     pub(crate) fn integers(&self, first: usize) -> Result<Vec<i64>, Hdf5Error> {
-        let Datatype::FixedPoint { size, signed, byte_order } = *self.values.dtype() else {
+        let Datatype::FixedPoint { size: size @ (1 | 2 | 4 | 8), signed, byte_order } = *self.values.dtype() else {
             return Err(self.of_type("integers"));
         };
-        let unused = 64 - 8 * u32::from(size.min(8));
+        self.expect_format(&[0, 0, 8 * size, 0], "integers of all their bits")?;
+        let unused = 64 - 8 * u32::from(size);
         let integer = |bytes: [u8; 8]| {
             let number = i64::from_le_bytes(bytes);
             if signed { number << unused >> unused } else { number }
@@ -189,17 +198,30 @@ impl Dataset {
         let elements = |size, byte_order| self.elements(first, size, byte_order).map(Vec::into_iter);
         match *self.values.dtype() {
             Datatype::FloatingPoint { size: 8, byte_order } => {
+                self.expect_format(&DOUBLE, IEEE)?;
                 Ok(elements(8, byte_order)?.map(f64::from_le_bytes).collect())
             }
-            Datatype::FloatingPoint { size: 4, byte_order } => Ok(elements(4, byte_order)?.map(single).collect()),
+            Datatype::FloatingPoint { size: 4, byte_order } => {
+                self.expect_format(&SINGLE, IEEE)?;
+                Ok(elements(4, byte_order)?.map(single).collect())
+            }
             Datatype::FixedPoint { .. } => Ok(self.integers(first)?.into_iter().map(|number| number as f64).collect()),
-            _ => Err(self.of_type("floating-point numbers")),
+            _ => Err(self.of_type(IEEE)),
         }
     }
 
-    /// Returns the text of a dataset of one text, without what follows a 0. Invalid UTF-8 is replaced.
+    /// Returns an error unless the bits of a number are as the properties `format` of its datatype say.
+    fn expect_format(&self, format: &[u8], expected: &'static str) -> Result<(), Hdf5Error> {
+        let datatype = self.values.raw_datatype()?;
+        let is_standard = datatype.get(PROPERTIES..).is_some_and(|properties| properties.starts_with(format));
+        if is_standard { Ok(()) } else { Err(self.of_type(expected)) }
+    }
+
+    /// Returns the text of a dataset of one text, without what follows a 0, if it is no longer than the file. Invalid UTF-8 is
+    /// replaced.
     pub(crate) fn text(&self) -> Result<Option<String>, Hdf5Error> {
-        if !self.is_written || !matches!(self.values.dtype(), Datatype::String { .. }) {
+        let is_text = matches!(self.values.dtype(), Datatype::String { .. });
+        if !self.is_written || !is_text || self.values.raw_byte_len()? > self.length {
             return Ok(None);
         }
         let bytes = self.bytes()?;
@@ -209,8 +231,8 @@ impl Dataset {
 
     fn of_type(&self, expected: &'static str) -> Hdf5Error {
         let found = match self.values.dtype() {
-            Datatype::FixedPoint { size, .. } => format!("integers of {} bits", 8 * u32::from(*size)),
-            Datatype::FloatingPoint { size, .. } => format!("floating-point numbers of {} bits", 8 * u32::from(*size)),
+            Datatype::FixedPoint { size, .. } => format!("integers in {size} bytes"),
+            Datatype::FloatingPoint { size, .. } => format!("floating-point numbers in {size} bytes"),
             Datatype::String { .. } => "text".to_string(),
             _ => "elements of another kind".to_string(),
         };

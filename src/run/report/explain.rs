@@ -127,7 +127,7 @@ impl JointSlip {
             .filter_map(|(quantity, most)| Some(format!(" ({} at most)", units.rounded(quantity, most?, 4))));
         // Without a pressure before, there was no friction to use; loads along the motion alone use it.
         let used = match self.friction_used {
-            used if used > 0.0 => {
+            used if used > 0.0 && used.is_finite() => {
                 let most = most.collect::<String>();
                 format!("; {there} the loads use {:.1} % of the friction{most}", 100.0 * used)
             }

@@ -337,6 +337,27 @@ fn optional_datasets_need_not_be_written() {
     assert!(message.contains("dataset fclib_local/vectors/q: its values were never written"), "{message}");
 }
 
+/// A byte of a file may ask for a text of gigabytes, or for numbers in a format of its own.
+#[test]
+fn sizes_of_texts_and_formats_of_numbers_are_checked() {
+    let path = problems().into_iter().find(|path| path.ends_with("local.hdf5")).unwrap();
+    let file = std::fs::read(&path).unwrap();
+    let with = |at: usize, byte: u8| {
+        let mut bytes = file.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    // The size of the text of the title: its highest byte.
+    let huge = ProblemFile::from_bytes("huge", &with(0x146f, 255)).unwrap();
+    assert_eq!(huge.info.title, None);
+    // The bias of the exponents of q.
+    let message = refused("biased", &with(0x2738, 0)).unwrap();
+    assert!(
+        message.contains("vectors/q: it holds floating-point numbers in 8 bytes, but floating-point numbers of IEEE"),
+        "{message}"
+    );
+}
+
 /// Wrong types, contradicting sizes and huge dimensions have a message each.
 #[test]
 fn every_fault_has_its_words() {
