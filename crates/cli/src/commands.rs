@@ -276,8 +276,13 @@ fn program() -> clap::Command {
     Cli::command().version(version())
 }
 
-/// Adds the missing command to the error if a file name was given in place of a command.
+/// Adds the missing command to the error if a file name was given in place of a command, and what answers the same as an
+/// option of earlier versions.
 fn with_command(mut error: clap::Error) -> clap::Error {
+    if error.get(ContextKind::InvalidArg) == Some(&ContextValue::String("--companion".to_string())) {
+        let tip = "stickslip sweep SCENE --vary time.increments=10,40, or stickslip converge";
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip.into()]));
+    }
     let Some(ContextValue::String(name)) = error.get(ContextKind::InvalidSubcommand) else { return error };
     let command = match Path::new(name).extension().and_then(|end| end.to_str()) {
         Some("toml") => "run",

@@ -189,6 +189,7 @@ fn increments_are_for_all_variants() {
     for (more, words) in [
         (["--vary", "time.increments=2,4", "--increments", "8"], "the increments are varied"),
         (["--vary", "contact.friction=0.2,0.4", "--increments", "auto"], "`stickslip converge` refines increments"),
+        (["--vary", "contact.friction=0.2,0.4", "--json", "--companion"], "or stickslip converge"),
     ] {
         let output = stickslip(&[&["sweep", &scene], &more[..]].concat());
         assert_exit(&output, 2);
