@@ -203,7 +203,6 @@ def test_a_file_that_is_no_result(tmp_path: Path) -> None:
     ("max_iterations", {"max_iterations": 10**30}), ("max_iterations", {"max_iterations": "a"}), ("max_iterations", {"max_iterations": np.nan}),
     ("increments", {"increments": 10**30}), ("increments", {"increments": np.nan}), ("increments", {"increments": np.inf}),
     ("increments", {"increments": [5]}), ("increments", {"increments": np.array([5, 6])}), ("tolerance", {"tolerance": "a"}),
-    ("to", {"increments": "auto", "to": "0.1"}), ("to", {"increments": "auto", "to": True}),
 ])
 def test_numbers_of_a_run_are_named(name: str, options: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=rf"^{name}: .* found, (expected|but must be below 2\*\*31)"):
