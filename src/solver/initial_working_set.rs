@@ -94,7 +94,7 @@ pub fn working_set(
     }
     let mut nodes = nearest[..held].to_vec();
     nodes.sort_unstable();
-    // With fewer nodes, other displacements come last.
+    // A smaller set puts other displacements last.
     Ok(InitialWorkingSet { nodes: Some(nodes), factor: None })
 }
 

@@ -32,7 +32,7 @@ pub fn node_on_springs(k: f64, mu: f64) -> ContactProblem {
     node(3, &[(0, 0, k), (1, 1, k), (2, 2, k)], [&[(2, 1.0)], &[(0, 1.0)], &[(1, 1.0)]], mu)
 }
 
-/// What histories take.
+/// The settings of the histories.
 #[derive(Default)]
 pub struct Count {
     pub increments: usize,

@@ -1,8 +1,8 @@
-//! What most tests use: the types of the library, and the helpers that stand beside this file.
+//! The names that most tests use: the types of the library, and the helpers that stand beside this file.
 
 pub use super::runs::{
-    apart, bn, both, converged, each, forces_apart, history_of, iterations, kept, largest, settings_of, solved_by_bn,
-    solver_of,
+    apart, balanced, bn, both, converged, each, forces_apart, history_of, iterations, kept, largest, settings_of,
+    solved_by_bn, solver_of,
 };
 pub use super::{
     BELT, Keep,

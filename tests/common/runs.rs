@@ -42,7 +42,7 @@ pub fn history_of(
     history::run(&model.problem, &model.loading, times, settings, linear.into(), observer).unwrap()
 }
 
-/// The same with the states of all increments.
+/// Solves a history in this way and keeps the states of all increments.
 pub fn kept(
     model: &Model,
     times: &[f64],
@@ -69,6 +69,13 @@ pub fn each(see: impl FnMut(&IncrementView<'_>)) -> impl Observer {
 pub fn converged(model: &Model, solver: SolverChoice, observer: &mut dyn Observer) -> RunReport {
     let report = Run::of(model, model.times().to_vec(), solver).unwrap().solve(observer).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+    report
+}
+
+/// The report of a run, which has converged with all forces in balance.
+pub fn balanced(model: &Model, solver: SolverChoice) -> RunReport {
+    let report = converged(model, solver, &mut ());
+    assert!(report.reactions.iter().all(|record| record.balance < 1e-9), "{:?}", report.reactions);
     report
 }
 

@@ -66,7 +66,7 @@ pub fn model_of(text: &str) -> Model {
     discretise(&parsed(text)).unwrap_or_else(|error| panic!("{error}\n{text}"))
 }
 
-/// The same with overrides.
+/// The model of the scene of a text with overrides.
 pub fn model_with(text: &str, overrides: &[&str]) -> Model {
     discretise(&parsed_with(text, overrides)).unwrap()
 }

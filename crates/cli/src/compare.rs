@@ -103,7 +103,7 @@ pub struct Iterate {
     pub error: Option<f64>,
 }
 
-/// How a history was solved.
+/// The course of a solved history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Course {
     /// The verdict.
@@ -135,7 +135,7 @@ pub struct Trial {
     pub mesh: MeshChoice,
     /// The requested number of increments.
     pub increments: usize,
-    /// How it was solved.
+    /// The course of its solution.
     pub course: Course,
     /// The distance to the reference; `None` if either did not converge.
     pub errors: Option<TimeErrors>,

@@ -73,7 +73,7 @@ pub struct Convergence {
     pub to: f64,
     /// The number of increments of the scene.
     pub own_increments: usize,
-    /// How it ended.
+    /// The steps of the study and its end.
     pub ended: Ended,
     /// The report of the last run.
     pub last: RunReport,

@@ -1,4 +1,4 @@
-//! What studies have in common. A study runs variants of a scene, takes quantities from each run, and shows them as
+//! The parts that all studies use. A study runs variants of a scene, takes quantities from each run, and shows them as
 //! tables and charts, a sweep also as a page: [`sweep`](crate::sweep) names the variants, [`converge`](crate::converge) refines until a
 //! quantity is known, [`compare`](crate::compare) judges methods and meshes against a reference.
 

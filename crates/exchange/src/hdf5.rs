@@ -1,7 +1,7 @@
 //! HDF5 as exchange files use it: groups, and datasets of numbers and short texts, in one file.
 //!
-//! The format is read by `hdf5-reader`, which trusts no size of a file: of 60,000 damaged problems none made it end, hang or
-//! take more than the limit. `write.rs` writes the oldest layout, which every version of HDF5 reads.
+//! `hdf5-reader` reads the format. Three claims of a file that it believes are checked here: the length of the file, the
+//! length of a text, and the format of numbers. `write.rs` writes the oldest layout, which every version of HDF5 reads.
 
 mod error;
 mod write;
@@ -12,7 +12,7 @@ pub(super) use write::{Node, write};
 use hdf5_reader::error::ByteOrder;
 use hdf5_reader::messages::HdfMessage;
 use hdf5_reader::messages::layout::DataLayout;
-use hdf5_reader::{Datatype, Hdf5File};
+use hdf5_reader::{Datatype, Hdf5File, StringSize};
 use std::cell::Cell;
 use stickslip::base::Budget;
 
@@ -217,10 +217,10 @@ impl Dataset {
         if is_standard { Ok(()) } else { Err(self.of_type(expected)) }
     }
 
-    /// Returns the text of a dataset of one text, without what follows a 0, if it is no longer than the file. Invalid UTF-8 is
+    /// Returns the text of a dataset of one text of fixed length, without what follows a 0, if it is no longer than the file. Invalid UTF-8 is
     /// replaced.
     pub(crate) fn text(&self) -> Result<Option<String>, Hdf5Error> {
-        let is_text = matches!(self.values.dtype(), Datatype::String { .. });
+        let is_text = matches!(self.values.dtype(), Datatype::String { size: StringSize::Fixed(_), .. });
         if !self.is_written || !is_text || self.values.raw_byte_len()? > self.length {
             return Ok(None);
         }

@@ -1,5 +1,5 @@
-//! What is in front of the nodes of a boundary: the obstacle that each meets, and holes of a surface of triangles. Nodes that
-//! no obstacle ever reaches are left out.
+//! The obstacle that each node of a boundary meets, and holes of a surface of triangles in front of it. Nodes that no
+//! obstacle ever reaches are left out.
 
 use std::collections::HashMap;
 

@@ -1,4 +1,4 @@
-//! What is recorded: displacement and stress of points over time, slip and stresses of a load cycle.
+//! The requested records: displacement and stress of points over time, slip and stresses of a load cycle.
 
 use std::collections::HashSet;
 

@@ -1,4 +1,4 @@
-//! What holds a body: supports, springs and elastic foundations.
+//! Supports, springs and elastic foundations, which hold a body.
 
 use super::Axis;
 use super::load::{Where, axial, components, direction};

@@ -276,7 +276,7 @@ mod tests {
         CellPoint::all(kind, geometry, corners, &quadrature(kind)).unwrap()
     }
 
-    /// By Gauss's theorem, `∫ ∂N_a/∂x_c` is half the normal of the two edges at corner `a`, that is, of the diagonal
+    /// `∫ ∂N_a/∂x_c` is, by Gauss's theorem, half the normal of the two edges at corner `a`, that is, of the diagonal
     /// between its neighbours.
     #[test]
     fn the_mean_is_exact_on_a_distorted_element() {

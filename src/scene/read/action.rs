@@ -1,4 +1,4 @@
-//! What acts on the bodies of a scene: couplings, supports, pretensions, springs and loads.
+//! Couplings, supports, pretensions, springs and loads of a scene.
 
 use super::{Reader, given, points};
 use crate::algebra::vector::Vector;

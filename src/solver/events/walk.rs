@@ -31,7 +31,7 @@ pub struct ExactPath<'a> {
     now: Reached,
 }
 
-/// What a path has reached, from which it continues.
+/// The point of a path from which it continues.
 #[derive(Clone, Serialize, Deserialize)]
 struct Reached {
     #[serde(flatten)]

@@ -1,4 +1,4 @@
-//! What the interior point formulations share: complementary pairs, the faces on which one member of each pair vanishes,
+//! The common parts of the interior point formulations: complementary pairs, the faces on which one member of each pair vanishes,
 //! and the Newton system on `(u, p_t, p_o, p_n)`, in which `v_n`, `s` and `λ` are eliminated node by node.
 
 use super::mixed::MixedMatrix;

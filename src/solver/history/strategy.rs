@@ -52,7 +52,8 @@ use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 /// An attempt at an increment.
 #[derive(Clone, Copy)]
 pub(super) struct Attempt {
-    /// How many times as far from the border the interior point method starts as the load suggests; `None` for BN.
+    /// The distance from the border at which the interior point method starts, as a multiple of the one that the load
+    /// suggests; `None` for BN.
     distance: Option<f64>,
     /// The number of iterations after which the attempt is abandoned, without those of BN at its end. No attempt that
     /// solves an increment of the tests takes as many.

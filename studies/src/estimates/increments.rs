@@ -137,7 +137,7 @@ struct Solved {
 }
 
 impl Solved {
-    /// With so many increments `a_stretch`.
+    /// Solves the history with `a_stretch` increments in each stretch.
     fn new(history: &History, a_stretch: usize) -> Result<Self, EstimateError> {
         let scene = history.scene(a_stretch, "bn")?;
         Solved::of(&scene, &Run::new(&scene)?, a_stretch)

@@ -192,7 +192,7 @@ fn the_stress_of_a_bent_block() {
     }
 }
 
-/// What is kept of an increment.
+/// The kept values of an increment.
 struct Kept {
     /// The sums of the normal and of the tangential forces, N/m.
     pressed: f64,

@@ -126,7 +126,7 @@ fn what_is_no_such_file_is_refused_with_its_line() {
     assert!(missing.to_string().starts_with(&format!("bad.msh:{place}:")));
 }
 
-/// What makes the meshes unsound: what is replaced, by what, words of the message and of the help.
+/// Changes that make the meshes unsound: the replaced text, the new one, words of the message and of the help.
 const UNSOUND_QUADS: &str = r"
 11 1 2 7 6 | 11 1 2 6 7 | element 11 is inverted | mesh it again
 ¶10 10 0¶ | ¶10 0 0¶ | the elements 11, 12 are degenerate | slivers

@@ -1,4 +1,4 @@
-//! What a scene says that its mesh contradicts.
+//! Keys of a scene that its mesh contradicts.
 
 use crate::common::faults::line_at;
 use crate::common::prelude::*;
@@ -8,7 +8,7 @@ const AGAINST_THE_MESH: &str = include_str!("tables/against_mesh_in_plane.txt");
 const BOTTOM: &str = "boundary = \"bottom\"\nfriction = 0.4\nobstacle = { kind = \"plane\", gap = 1e-5 }";
 const FREE: &str = "boundary = \"left\"\nfix = [\"x\", \"y\", \"z\"]";
 
-/// The same of the cube, and what belongs to the plane.
+/// Keys that the mesh of the cube contradicts, and keys of the plane.
 const IN_SPACE: &str = include_str!("tables/against_mesh_in_space.txt");
 
 /// Two contacts at the edge of the cube, which nothing holds: at its nodes the two obstacles have normals that contradict each

@@ -1,4 +1,4 @@
-//! What a body of revolution cannot be, hold, carry or touch.
+//! Shapes, supports, loads and obstacles that a body of revolution cannot have.
 
 use crate::common::prelude::*;
 
@@ -21,7 +21,7 @@ fn what_is_no_body_of_revolution() {
     verify_all(&DISC, FAULTS, refused);
 }
 
-/// What asks nothing of the axis that it does not hold by itself is no fault, and obstacles of revolution of every kind are none.
+/// Keys that ask nothing of the axis but what it holds by itself are no fault, and obstacles of revolution of every kind are none.
 #[test]
 fn what_is_one() {
     for (from, to) in [

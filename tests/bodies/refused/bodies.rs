@@ -115,7 +115,7 @@ fn what_is_wrong_with_a_body_is_told_at_its_place() {
 
 const BUILT: &str = include_str!("tables/bodies_as_built.txt");
 
-/// What only the mesh tells.
+/// Faults that only the mesh shows.
 #[test]
 fn what_the_model_refuses_is_told_at_its_place() {
     verify_all(&TWO, BUILT, built);

@@ -1,4 +1,4 @@
-//! What is wrong with a scene is said with file, line, reason and remedy, and nothing wrong gets through.
+//! Faults of a scene are told with file, line, reason and remedy, and no fault gets through.
 
 use crate::common::faults::line_at;
 use crate::common::prelude::*;

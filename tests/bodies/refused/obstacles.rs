@@ -1,4 +1,4 @@
-//! What is wrong with the obstacles and the friction of a scene.
+//! Faults of the obstacles and the friction of a scene.
 
 use crate::common::prelude::*;
 use crate::contact::surfaces::{Triangle, ascii, binary};

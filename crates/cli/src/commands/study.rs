@@ -1,4 +1,4 @@
-//! What the commands with many runs have in common: their folder, their progress, and what they print.
+//! The folder, the progress and the output of the commands with many runs.
 
 use std::io;
 use std::path::Path;

@@ -92,7 +92,7 @@ fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: us
     let end = scene.time.all().last().copied();
     let by = |method: HistoryMethod, increments| {
         let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
-        // With the linear solver of the least estimated time.
+        // The linear solver is the one with the least estimated time.
         solve(scene, model, built, SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
     };
     if has_exact_path(model) {

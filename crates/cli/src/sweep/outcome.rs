@@ -14,7 +14,7 @@ pub struct VariantResult {
     pub status: String,
     /// The text of the scene that was run; `None` without a report.
     pub scene_text: Option<String>,
-    /// What is told of it, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
+    /// The values for tables, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
     /// `largest_pressure`, `warnings`, `boundaries`, and the `quantities` of table and chart, as far as the run has them.
     pub told: Value,
 }

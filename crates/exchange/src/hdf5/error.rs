@@ -9,7 +9,7 @@ pub enum Hdf5Error {
     /// The bytes contradict the format, end too early, or are of a part of it that cannot be read.
     #[error("the file is damaged, or of a layout that cannot be read: {what}")]
     Damaged {
-        /// What is wrong.
+        /// The fault.
         what: String,
     },
     /// A dataset exists, but was never written.

@@ -213,7 +213,7 @@ fn gather(block: &[f64], below: impl Iterator<Item = f64>, work: &mut Vec<f64>) 
 /// No branch has more than this share of the values in `L`.
 const LARGEST: f64 = 0.125;
 
-/// With fewer values than this, a sweep takes less time than to wake another thread for it.
+/// The number of values from which on another thread is worth the time to wake it.
 const FEWEST: usize = 1 << 18;
 
 /// The elimination tree of `L`, with branches in the interior.
