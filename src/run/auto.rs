@@ -58,6 +58,8 @@ pub struct SolverEstimate {
     pub linear: LinearAlgebra,
     /// The cost of all increments.
     pub cost: Cost,
+    /// The number of factorisations that it contains, by experience.
+    pub factorizations: f64,
 }
 
 /// The solvers to choose from.
@@ -300,7 +302,9 @@ impl Estimates {
         all.retain(|linear| linear.is_built_in());
         let shared: Vec<LinearAlgebra> = all.iter().copied().filter(|linear| linear.is_shared()).collect();
         let (of, ranks) = if solvers.ranks > 1 && !shared.is_empty() { (shared, solvers.ranks) } else { (all, 1) };
-        of.into_iter().map(|linear| SolverEstimate { linear, cost: self.cost(linear).shared_by(ranks) }).collect()
+        let factorizations = self.work.factorizations;
+        let path = |linear| SolverEstimate { linear, cost: self.cost(linear).shared_by(ranks), factorizations };
+        of.into_iter().map(path).collect()
     }
 }
 

@@ -343,20 +343,16 @@ impl ContactProblem {
         Ok(0.5 * state.u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>())
     }
 
-    /// Computes the strain energy of a state in equilibrium with the external forces `force` (N) as half the work of
-    /// all forces: `½ uᵀ (f - Cᵀ p)`.
-    pub(crate) fn energy_in_equilibrium(&self, force: &[f64], state: &State) -> f64 {
-        self.energy_of_parts(force, state, |_| true)
-    }
-
-    /// Computes the same for the parts with friction alone: those that elasticity or contact rows connect to a rough node.
+    /// Computes [`ContactProblem::energy_of_parts`] with friction: those that elasticity or contact rows connect to a rough node.
     pub(crate) fn energy_with_friction(&self, force: &[f64], state: &State) -> f64 {
         let part = &self.natural().contact_part;
         let rough: BTreeSet<usize> = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0).map(|i| part[i]).collect();
         self.energy_of_parts(force, state, |part| rough.contains(&part))
     }
 
-    fn energy_of_parts(&self, force: &[f64], state: &State, counts: impl Fn(usize) -> bool) -> f64 {
+    /// Computes the strain energy of the parts that count, of a state in equilibrium with the external forces `force` (N), as half
+    /// the work of all forces: `½ uᵀ (f - Cᵀ p)`.
+    pub(crate) fn energy_of_parts(&self, force: &[f64], state: &State, counts: impl Fn(usize) -> bool) -> f64 {
         let NaturalUnits { part, contact_part, .. } = self.natural();
         let loads = state.u.iter().zip(force).zip(part).filter(|(_, part)| counts(**part));
         let loads: f64 = loads.map(|((u, f), _)| u * f).sum();

@@ -30,7 +30,7 @@ pub(crate) struct NodalVolumes {
 }
 
 /// The share of a corner in the surrounding cells of one law.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(crate) struct NodalVolume {
     /// `V_a`, m³; in two dimensions m², in a body of revolution over the full circumference.
     volume: f64,
@@ -65,7 +65,7 @@ impl NodalVolumes {
             let corners = if Self::take(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
             let mut place = |corner: &usize| {
                 *known.entry((*corner, law)).or_insert_with(|| {
-                    all.volumes.push(NodalVolume::without_cells(material(e).bulk()));
+                    all.volumes.push(NodalVolume { bulk: material(e).bulk(), ..NodalVolume::default() });
                     all.volumes.len() - 1
                 })
             };
@@ -145,10 +145,6 @@ impl NodalVolumes {
 }
 
 impl NodalVolume {
-    fn without_cells(bulk: f64) -> Self {
-        NodalVolume { volume: 0.0, bulk, nodes: Vec::new(), gradients: Vec::new() }
-    }
-
     /// Adds a `share` of a point of a cell with these nodes. The gradients contain `G_a` until they are divided by
     /// `V_a`.
     fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {

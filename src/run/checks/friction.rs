@@ -23,7 +23,7 @@ impl Finding for LeftOut {
         format!(
             "at t = {time} s {:.0} % of the possible friction of `{}` is neglected, because supports hold its nodes in \
              the direction of sliding, or the exact path has none where two contacts meet; end the support at some \
-             distance from the contact, make the other side the slave, or use solver.method = \"bn\"",
+             distance from the contact, make the other side the slave, or take solver.method = \"bn\" in place of \"events\"",
             100.0 * share,
             model.contact_boundaries[self.0].name
         )

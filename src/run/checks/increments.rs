@@ -36,6 +36,14 @@ pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
 
 fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning {
     let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
+    if found.work_error.abs() > 1.0 {
+        let message = format!(
+            "the error of the friction work, {}, because of the increments is unknown, and larger than this value; take \
+             four times as many increments",
+            energy(found.friction_work)
+        );
+        return Warning { kind: WarningKind::IncrementsWork, message };
+    }
     // The first increment applies what exists at t = 0 at once, however short it is.
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
     let cure = if stays.abs() > WORK {

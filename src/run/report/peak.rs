@@ -127,7 +127,7 @@ impl Peak {
             Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => 0.5 * largest,
             Some(largest) => OF_LARGEST * largest,
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
-            None => discretisation?.powi(2),
+            None => discretisation?.powi(2).max(surface.scatter),
         };
         let others =
             PeakZone::all(model, graph, &self.state).into_iter().filter(|zone| !zone.nodes.contains(&self.at[1]));

@@ -101,6 +101,15 @@ impl MixedMatrix {
         }
     }
 
+    /// Adds a drag of `share` of its entry of `K` to the displacement `place`, and returns it.
+    pub(super) fn drag(&mut self, place: usize, share: f64) -> f64 {
+        let drag = share * self.matrix.get(place, place);
+        if let Some(slot) = self.matrix.pattern().slot(place, place) {
+            self.matrix.rest_mut().values_mut()[slot] += drag;
+        }
+        drag
+    }
+
     /// Returns the springs in the equilibrium rows.
     pub(super) fn springs(&self) -> &[Spring] {
         &self.springs

@@ -70,11 +70,6 @@ impl BnMethod {
         }
     }
 
-    /// Returns the solution from which an increment starts. Before the first increment there is only a guess.
-    pub(super) fn last_solution(&self, task: &Task<'_>) -> State {
-        if task.first { State::zero(task.problem) } else { self.state() }
-    }
-
     /// Takes the data of an increment, with the rate of the solution at its start; on the tangent there, if nothing has
     /// changed the solution `from` since the last increment ended there.
     pub(super) fn begin(

@@ -131,7 +131,7 @@ impl Step {
             backward_error,
             contact: ContactCounts::of(statuses),
             friction_work: self.friction_work,
-            strain_energy: problem.energy_in_equilibrium(force, &self.state),
+            strain_energy: problem.energy_of_parts(force, &self.state, |_| true),
             seconds,
             ..IncrementRecord::default()
         }

@@ -7,8 +7,8 @@
 //! | the interior point method | ten times that distance | 30 iterations |
 //! | the interior point method | a hundred times that distance | the iterations that are left |
 //!
-//! If a state shows that the body slides whatever is tried (see below), nothing is. It is looked for before the first attempt
-//! and after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
+//! If a state shows that the body slides or leaves its obstacles (see below), nothing is. It is looked for before the first attempt
+//! if the friction of the last normal forces does not suffice, and else after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
 //! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
 //! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
 //! are not halved.
@@ -24,17 +24,12 @@
 //!
 //! This is the criterion by which an increment that does not converge has no equilibrium at its end.
 //!
-//! Let a rigid motion `v` move the body along its contact, and let friction act against `v` at every node that presses.
-//! The equations of this *sliding state*, with a drag along `v`, have neither a history nor a slip: they depend
-//! only on the loads, gaps and friction at the end of the increment. If the loads do more work on `v` than friction
-//! takes up, and all laws of contact hold however far the body moves along `v`, then the body slides without end while
-//! a drag proportional to its velocity carries the excess, for any such drag. If an equilibrium existed, a body with a
-//! vanishing drag would have two states, one at rest and one that slides. That is excluded where the solution of such an
-//! increment is unique, which is assumed.
-//!
-//! The motion is that of a rigid body with the normal forces of the last state; a linear solve gives the forces of its
-//! sliding state, and these the next motion. Where the load takes pressure off the joint, that friction still suffices: then the
-//! first motion is that against half of it.
+//! A small drag on the contact nodes, `D (u - u_last)` in (15), determines every motion. BN solves this increment in a few
+//! iterations. Let `v` be a rigid motion on which the loads do more work than the friction of its normal forces takes up,
+//! without approach of any node and without loss of a pressed one. If all contact nodes keep their cases however far the body
+//! moves along `v`, then the body moves without end: the drag carries the excess, however small it is. If an equilibrium
+//! existed, a body with a vanishing drag would have two states, one at rest and one that moves. That is excluded where the
+//! solution of such an increment is unique, which is assumed.
 
 use super::bn::BnMethod;
 use super::increment_error::IncrementErrors;
@@ -43,10 +38,10 @@ use super::saved::Snapshot;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
 use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
-use crate::algebra::vector::dot;
+use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::TangentialCase;
-use crate::solver::newton::{MethodResult, Termination};
-use crate::solver::problem::State;
+use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
+use crate::solver::problem::{Increment, State};
 use crate::solver::solvability::{Load, excess, friction_work, sliding_motion};
 
 /// An attempt at an increment.
@@ -67,7 +62,8 @@ const FARTHEST: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX 
 
 /// Returns `true` if no other attempt is needed.
 fn ends(result: &MethodResult) -> bool {
-    matches!(result.stop, Termination::Converged | Termination::Interrupted | Termination::Slips(_))
+    use Termination::{Converged, Interrupted, NoEquilibrium, Slips};
+    matches!(result.stop, Converged | Interrupted | Slips(_) | NoEquilibrium(_))
 }
 
 /// The attempts of BN without the interior point method.
@@ -79,9 +75,8 @@ pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
 /// The attempts of `method = "ip"`.
 pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
 
-/// The largest number of linear solves. The nodes that press in the sliding state are those of the last state but for a
-/// few.
-const ROUNDS: usize = 4;
+/// The error of an increment with a drag, which is to tell pressures and statuses only.
+const DRAGGED: f64 = 1e-6;
 
 /// The attempts, with the methods that make them.
 pub(super) struct Strategy {
@@ -99,63 +94,70 @@ impl Strategy {
         Strategy { attempts, settings: settings.clone(), bn: Box::new(bn), ip: None }
     }
 
-    /// Returns the normal forces that clamp the nodes, N: the first estimate of the pressures.
-    fn clamping_forces(&self, task: &Task<'_>) -> Vec<f64> {
-        let clamping = task.response.p_n(task.problem.contacts());
-        clamping.into_iter().map(|p| p * self.settings.scaling.force).collect()
-    }
-
-    /// Looks for a sliding state, from the normal forces `pressed` (n_c, N) and this `share` of their friction. Returns the
-    /// solves that it took, and moves to the sliding state if there is one.
+    /// Solves the increment with a drag, from the state `last`, or from where the loads exceed the friction of the normal forces
+    /// `p_n` (n_c, N). Ends the
+    /// increment if the body slides there or leaves its obstacles.
     fn slide(
         &mut self,
         task: &Task<'_>,
         linear: &mut RefinedSolver,
         last: &State,
-        (pressed, share): (&[f64], f64),
+        p_n: &[f64],
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         let (problem, increment) = (task.problem, task.increment);
-        let sizes: Vec<f64> = increment.force.iter().map(|f| f.abs()).collect();
-        let load = Load { force: increment.force, sizes: &sizes };
-        let BnMethod { formulation, bn, .. } = &mut *self.bn;
+        let beyond = |p_n: &[f64], motion: &[f64]| excess(problem, increment.mu, increment.force, p_n, motion);
+        let mut formulation = Bdiff::on(self.bn.formulation.assembled(), &self.settings.conventions);
+        let mut bn = Bn::new(Armijo::HALVING, NEWTON.patience, formulation.unknowns());
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let mut result = MethodResult::nothing();
-        // Without pressure nothing is known of the contact.
-        let presses = pressed.iter().all(|p| p.is_finite()) && pressed.iter().any(|p| *p > 0.0);
-        let rounds = if presses { ROUNDS } else { 0 };
         let from = layout.packed(last, &scaling);
-        let (mut z, mut p_n) = (from.clone(), pressed.to_vec());
-        for round in 0..rounds {
-            if round == ROUNDS / 2 {
-                p_n.copy_from_slice(pressed);
-            }
-            let share = if round == 0 { share } else { 1.0 };
-            let mu: Vec<f64> = increment.mu.iter().map(|mu| share * mu).collect();
-            let Some(motion) = sliding_motion(problem, &mu, &load, &p_n) else { break };
-            // Pins carry what exceeds the friction of these forces. If that is much, it changes the pressure at these nodes:
-            // then a drag spreads it over the body.
+        formulation.begin(increment, &from);
+        let drag = formulation.drag_from(&from);
+        let mut z = from.clone();
+        task.response.add_to(&mut z);
+        if task.first {
+            task.response.add_forces_to(&mut z);
+        }
+        if let Some(motion) = motion_against(task, p_n) {
+            // The drag carries what exceeds friction.
             let v = problem.rigid_motion(&motion);
-            let much = excess(problem, increment.mu, increment.force, &p_n, &motion) / (dot(&v, &v) * scaling.force);
-            let drag = if round < ROUNDS / 2 { 0.0 } else { much };
-            let drag: Vec<f64> = v.iter().map(|v| drag * v).collect();
-            formulation.begin(increment, &from);
-            formulation.linearize_sliding(&p_n, &motion);
-            if !bn.solve_cases(formulation, linear, &drag, &mut z, &mut result, observe)? {
-                break;
-            }
-            p_n = formulation.pressing(&z).into_iter().map(|p| p * scaling.force).collect();
+            let resistance: f64 = v.iter().zip(&drag).map(|(v, drag)| v * v * drag).sum();
+            let speed = beyond(p_n, &motion) / (resistance * scaling.force);
+            z.iter_mut().zip(&v).for_each(|(z, v)| *z += speed * v);
+        }
+        let mut error = |z: &[f64], rest: &[f64]| {
+            let force = increment.force.iter().zip(&drag).enumerate();
+            let force: Vec<f64> = force.map(|(k, (f, drag))| f - drag * (z[k] - from[k]) * scaling.force).collect();
+            task.error_of(&Increment { force: &force, ..*increment }, &layout.unpacked_with(z, rest, &scaling))
+        };
+        let end = StopCriterion::Measured { tolerance: DRAGGED, error: &mut error };
+        let mut result = bn.solve(&mut formulation, linear, &mut z, end, observe)?;
+        let state = layout.unpacked(&z, &scaling);
+        formulation.linearize(&z);
+        if let (Termination::Converged, Some(motion)) = (&result.stop, motion_against(task, &state.p_n)) {
             // At the very limit of friction the excess is rounding, and the joint still holds.
-            let limit = task.tolerance * friction_work(problem, increment.mu, &p_n, &v);
-            let slides = excess(problem, increment.mu, increment.force, &p_n, &motion) > limit;
-            if slides && formulation.slides_on(&z, &motion, &problem.natural().contact_part) {
-                result.stop = Termination::Slips(motion);
-                self.bn.set_state(&layout.unpacked(&z, &scaling));
-                break;
+            let friction = friction_work(problem, increment.mu, &state.p_n, &problem.rigid_motion(&motion));
+            let moves = beyond(&state.p_n, &motion) > DRAGGED * friction;
+            if moves && formulation.moves_on(&z, &motion, &problem.natural().contact_part) {
+                let slips = friction > 0.0;
+                result.stop = if slips { Termination::Slips(motion) } else { Termination::NoEquilibrium(motion) };
             }
         }
-        Ok(result)
+        if result.stop == Termination::Converged {
+            // The drag still carries something.
+            result.stop = Termination::Stalled;
+        }
+        self.bn.set_state(&state);
+        Ok(MethodResult { attempts: 0, ..result })
     }
+}
+
+/// Returns a rigid motion on which the load does more work than the friction of the normal forces `p_n` (n_c, N).
+fn motion_against(task: &Task<'_>, p_n: &[f64]) -> Option<Vec<f64>> {
+    let force = task.increment.force;
+    let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
+    let is_finite = p_n.iter().all(|p| p.is_finite());
+    is_finite.then(|| sliding_motion(task.problem, task.increment.mu, &Load { force, sizes: &sizes }, p_n))?
 }
 
 impl IncrementSolver for Strategy {
@@ -182,11 +184,19 @@ impl IncrementSolver for Strategy {
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
-        let last = self.bn.last_solution(task);
-        let pressed = if task.first { self.clamping_forces(task) } else { last.p_n.clone() };
-        let mut tested = self.slide(task, linear, &last, (&pressed, 1.0), observe)?;
-        if ends(&tested) {
-            return Ok(tested);
+        let last = if task.first { State::zero(task.problem) } else { self.bn.state() };
+        // The forces that clamp the nodes are the first estimate of the pressures.
+        let clamping = || task.response.p_n(last.p_n.len()).iter().map(|p| p * self.settings.scaling.force).collect();
+        let pressed: Vec<f64> = if task.first { clamping() } else { last.p_n.clone() };
+        let mut is_tested = task.problem.rigid_modes().is_empty();
+        let mut tested = MethodResult::nothing();
+        if pressed.iter().any(|p| *p > 0.0) && motion_against(task, &pressed).is_some() {
+            tested = self.slide(task, linear, &last, &pressed, observe)?;
+            if ends(&tested) {
+                return Ok(tested);
+            }
+            self.bn.set_state(&last);
+            is_tested = true;
         }
         let mut result: Option<MethodResult> = None;
         for attempt in self.attempts {
@@ -230,16 +240,15 @@ impl IncrementSolver for Strategy {
             if ends(&reached) {
                 return Ok(tested.then(reached));
             }
-            // The first attempt tells the pressures.
-            if result.is_none() {
+            // A body that BN finds held may only need the interior point method.
+            let is_free = matches!(reached.stop, Termination::Unconstrained(_) | Termination::Singular(_));
+            if !is_tested && (is_free || attempt.distance.is_some() || self.attempts.len() == 1) {
                 let p_n = self.bn.state().p_n;
-                for (p_n, share) in [(&p_n, 1.0), (&pressed, 0.5)] {
-                    let again = self.slide(task, linear, &last, (p_n, share), observe)?;
-                    if ends(&again) {
-                        return Ok(tested.then(reached).then(again));
-                    }
-                    tested = tested.then(again);
+                tested = self.slide(task, linear, &last, &p_n, observe)?;
+                if ends(&tested) {
+                    return Ok(reached.then(tested));
                 }
+                is_tested = true;
             }
             result = Some(reached);
         }

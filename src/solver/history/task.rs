@@ -58,7 +58,7 @@ impl Task<'_> {
         self.error_of(&increment, state)
     }
 
-    fn error_of(&self, increment: &Increment<'_>, state: &State) -> Result<f64, LinearError> {
+    pub(super) fn error_of(&self, increment: &Increment<'_>, state: &State) -> Result<f64, LinearError> {
         let judgement = Judgement::near(self.problem, increment, state, self.scales, self.tolerance)?;
         Ok(judgement.errors().worst().1)
     }

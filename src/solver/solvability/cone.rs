@@ -4,8 +4,8 @@
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::algebra::vector::dot;
 
-/// Residuals of unit vectors are orthogonal to the columns of the fit up to about ten times 2.2e-16. A smaller angle
-/// between a column and the residual is rounding.
+/// Residuals are orthogonal to the columns of the fit up to about ten times 2.2e-16. A smaller angle between a column and
+/// the residual is rounding.
 const LEAST_ANGLE: f64 = 1e-14;
 
 /// The cone `{Σ x_k a_k, x_k ≥ 0}` in a space of few dimensions.
@@ -46,7 +46,8 @@ impl FiniteCone {
                 .filter(|k| !refused.contains(k) && used.iter().all(|(other, _)| other != k))
                 .map(|k| (k, dot(&self.generators[k], &residual)));
             let Some((entering, gain)) = candidates.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            if gain <= LEAST_ANGLE {
+            let size = norm(&residual);
+            if size <= NEGLIGIBLE || gain <= LEAST_ANGLE * size {
                 break;
             }
             used.push((entering, 0.0));

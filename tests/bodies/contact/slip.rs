@@ -104,6 +104,51 @@ fn a_corner_before_a_wall() {
     assert_eq!((exact.status, warned(&exact)), (Status::Converged, [true, false]));
 }
 
+/// A body in a corner gives way. It slides on one edge while it turns about another one, or leaves a floor although the friction
+/// of a wall that it does not press could hold it. Both methods find that with all linear solvers, between the same times.
+#[test]
+fn a_corner_that_gives_way() {
+    let turns = r#"
+        mesh = { kind = "block", size = [1.0, 0.5], elements = [1, 1] }
+        material = { young = 1e9, poisson = 0.3, density = 1.0 }
+        contact = [
+            { boundary = "bottom", friction = 0.8, obstacle = { kind = "plane" } },
+            { boundary = "right", friction = 0.2, obstacle = { kind = "plane" } },
+        ]
+        load = [
+            { acceleration = [8e5, -1e6], history = [[0, 0], [1, 1]] },
+            { boundary = "right", traction = [7.5e5, 2.2e6], history = [[1, 0], [2, 1]] },
+        ]
+        time = { end = 2, increments = 8 }
+    "#;
+    let leaves = r#"
+        mesh = { kind = "block", size = [1.0, 0.5], elements = [4, 2] }
+        material = { young = 1e9, poisson = 0.3 }
+        support = [{ boundary = "left", fix = ["x"] }]
+        contact = [
+            { boundary = "bottom", friction = 0.4, obstacle = { kind = "plane" } },
+            { boundary = "right", friction = 0.4, obstacle = { kind = "plane", gap = 1e-3 } },
+        ]
+        load = [{ boundary = "top", traction = [0.0, 1e6], history = [[0, -1], [1, 1]] }]
+        time = { end = 1, increments = 3 }
+    "#;
+    for (text, status) in [(turns, Status::Slips), (leaves, Status::NoEquilibrium)] {
+        let mut between = [0.0_f64, f64::INFINITY];
+        for solver in SOLVERS {
+            for method in ["bn", "ip"] {
+                let chosen = [format!("solver.method=\"{method}\""), format!("solver.linear=\"{solver}\"")];
+                let report = run(text, &[&chosen[0], &chosen[1]]);
+                assert_eq!(report.status, status, "{chosen:?}: {}", report.explanation.reason);
+                if let Some(slip) = &report.explanation.slip {
+                    assert_eq!(slip.motion, "the body turns about (0, 0) m", "{chosen:?}");
+                    between = [between[0].max(slip.between[0]), between[1].min(slip.between[1])];
+                }
+            }
+        }
+        assert!(between[0] < between[1], "{between:?}");
+    }
+}
+
 /// A pull takes pressure off a press fit, so that the friction of the last state would still suffice beyond the limit. All
 /// ways to solve it find the slip, between the same times: for one element, at `t = 1 + 0.397727`.
 #[test]

@@ -13,6 +13,10 @@ use crate::algebra::null_space::{Motions, NEGLIGIBLE, Row};
 use crate::algebra::sparse::Csr;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 
+/// The drag on all contact nodes, relative to their stiffness: a motion that nothing else resists is a million times as long
+/// as the deformation by its load.
+const DRAG: f64 = 1e-6;
+
 /// The number of bisections for the step at which a case changes: nine digits.
 const BISECTIONS: usize = 30;
 
@@ -27,7 +31,7 @@ impl Bdiff {
     /// unconstrained if no closed node stops it along the normal and no sticking node along a tangent. A slipping
     /// node resists across its slip, since friction would turn.
     fn unconstrained_modes(&self) -> Vec<Vec<f64>> {
-        if self.data.rigid_modes.is_empty() {
+        if self.data.rigid_modes.is_empty() || self.is_dragged {
             return Vec::new();
         }
         let motions = Motions::new(&self.data.rigid_modes);
@@ -63,6 +67,19 @@ impl Bdiff {
         };
         let places = anchors(unheld.iter().map(motion).collect());
         self.matrix.tie(places.into_iter().map(|k| candidates[k]));
+    }
+
+    /// Adds a small drag against displacements of contact nodes from `z` for good, which determines every motion. Returns the
+    /// drag of each displacement.
+    pub fn drag_from(&mut self, z: &[f64]) -> Vec<f64> {
+        let places = self.data.contact_displacements();
+        let mut drag = vec![0.0; self.layout().displacements()];
+        for &place in &places {
+            drag[place] = self.matrix.drag(place, DRAG / places.len() as f64);
+            self.data.force[place] += drag[place] * z[place];
+        }
+        self.is_dragged = true;
+        drag
     }
 
     /// Returns `true` if the last linearisation has unconstrained modes, which are pinned.

@@ -1,11 +1,10 @@
 //! Extensions of Algorithm BN beyond the paper's loop: the last digits, points where it stalls, and bodies that the
 //! contact statuses leave unconstrained.
 
-use super::{Bn, Iteration, IterationRecord, MethodResult, StopCriterion, Termination};
+use super::{Bn, StopCriterion, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::algebra::sparse::sum;
 use crate::solver::formulation::Bdiff;
-use std::ops::ControlFlow;
 
 /// The number of attempts to find the branch into which a direction leads where several cases meet. Without a limit,
 /// two nodes that depend on each other would never settle.
@@ -86,34 +85,6 @@ impl Bn {
             }
         }
         Ok(end.met(f64::INFINITY, best))
-    }
-
-    /// Solves the equations of the cases of the last linearisation for the loads less `drag`, one for each displacement,
-    /// from `z`, as one iteration. Returns `false` if they are singular, or if the observer asks to stop.
-    ///
-    /// # Errors
-    /// As [`Bn::solve`].
-    pub fn solve_cases(
-        &mut self,
-        formulation: &Bdiff,
-        linear: &mut RefinedSolver,
-        drag: &[f64],
-        z: &mut [f64],
-        outcome: &mut MethodResult,
-        observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
-    ) -> Result<bool, LinearError> {
-        let mut h = formulation.residual_of_cases(z)?;
-        h.iter_mut().zip(drag).for_each(|(h, drag)| *h += drag);
-        if !self.factor(formulation, linear)? || self.substitute(formulation, linear, &h)?.is_none() {
-            return Ok(false);
-        }
-        z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += dz);
-        let theta = self.evaluate(formulation, z)?;
-        outcome.add(theta, 0, 0.0);
-        let iteration = outcome.iterations;
-        let record = IterationRecord { iteration, step: 1.0, factored: true, ..IterationRecord::start(theta) };
-        let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
-        Ok(!outcome.ends(false, flow))
     }
 
     /// Moves along the unconstrained mode in the last direction until the first contact node changes its case. Returns the

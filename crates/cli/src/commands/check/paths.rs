@@ -26,13 +26,15 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         let enough = if need > bytes { "; this is hardly enough" } else { "" };
         format!(" of {} that {source} leaves{enough}", in_words(bytes))
     });
+    let factorizations = choice.paths().first().map_or(0.0, |path| path.factorizations);
+    let assumed = format!("{factorizations:.0} factorisations");
     let of_memory = budget.map_or("", |_| "  out of memory from");
     let mut lines = vec![
         format!("memory       about {}{of}", in_words(need)),
-        format!("estimated    {:<18} {:>9} {:>9}{of_memory}", "", "time", "memory"),
+        format!("estimated    {assumed:<18} {:>9} {:>9}{of_memory}", "time", "memory"),
     ];
     for path in choice.paths() {
-        let SolverEstimate { linear, cost } = path;
+        let SolverEstimate { linear, cost, .. } = path;
         let need = MemoryEstimate::of_path(model, path);
         let out = budget.map_or(String::new(), |Budget { bytes, .. }| {
             format!("  {:.1e} displacements on", need.most_displacements(model, *linear, bytes))

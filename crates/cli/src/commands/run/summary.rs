@@ -267,7 +267,8 @@ fn print_estimates(report: &RunReport) {
     if let Some(error) =
         report.estimates.increments.filter(slips).and_then(|found| found.force_error).filter(|e| *e > 0.0)
     {
-        say!("time steps   error of the tangential forces about {:.1} %", 100.0 * error);
+        let size = if error > 1.0 { "unknown".to_string() } else { format!("about {:.1} %", 100.0 * error) };
+        say!("time steps   error of the tangential forces {size}");
     }
     if let Some(error) = report.estimates.start {
         say!(
