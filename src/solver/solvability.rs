@@ -429,6 +429,11 @@ mod tests {
             assert_eq!(balance(mu, [0.0, -1.0]), None, "{mu}");
             assert!(balance(mu, [0.0, 1.0]).is_some(), "{mu}");
         }
+        for mu in [1e-12, 1e-9, 1e-8, 1e-7, 1e-5] {
+            assert_eq!(balance(mu, [0.0, -1.0]), None, "{mu}");
+            assert_eq!(balance(mu, [0.9 * mu, -1.0]), None, "{mu}");
+            assert_eq!(balance(mu, [2.0 * mu, -1.0]).is_some(), mu > NEGLIGIBLE, "{mu}");
+        }
         assert_eq!(driven(&problem(&[], 2, &[]), &[1.0, 1.0]), None);
     }
 
