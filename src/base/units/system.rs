@@ -149,12 +149,15 @@ impl UnitSystem {
         format!("{told:.14e}").parse().unwrap_or(told)
     }
 
-    /// Formats a point (m): `(1, 0.5) mm`. Rounding beside the largest coordinate is 0.
-    pub fn place(&self, x: [f64; 3]) -> String {
-        let x = &x[..self.dimension];
+    /// Returns the coordinates of a point (m) in these units. Rounding beside the largest one is 0.
+    pub(crate) fn coordinates(&self, x: &[f64]) -> Vec<f64> {
         let largest = x.iter().fold(0.0_f64, |most, c| most.max(c.abs()));
-        let told = |c: &f64| if c.abs() <= 1e-13 * largest { 0.0 } else { self.number(Quantity::Length, *c) };
-        let numbers: Vec<String> = x.iter().map(|c| told(c).to_string()).collect();
+        x.iter().map(|c| if c.abs() <= 1e-13 * largest { 0.0 } else { self.number(Quantity::Length, *c) }).collect()
+    }
+
+    /// Formats a point (m): `(1, 0.5) mm`.
+    pub fn place(&self, x: [f64; 3]) -> String {
+        let numbers: Vec<String> = self.coordinates(&x[..self.dimension]).iter().map(f64::to_string).collect();
         format!("({}) {}", numbers.join(", "), self.name(Quantity::Length))
     }
 

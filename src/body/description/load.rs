@@ -4,7 +4,7 @@ use crate::algebra::vector::{Vector, norm};
 use crate::base::formula::Field;
 use crate::base::input_error::{InputError, ensure, finite, not_huge};
 use crate::base::timeline::check_points;
-use crate::base::units::{Quantity, UnitSystem};
+use crate::base::units::UnitSystem;
 
 /// A load: an action times a factor that varies in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -170,7 +170,7 @@ impl Where {
     pub fn place(&self, units: &UnitSystem) -> String {
         match self {
             Where::Boundary(name) | Where::Coupling(name) => name.clone(),
-            Where::Point(point) => format!("{:?}", point.map(|x| units.number(Quantity::Length, x))),
+            Where::Point(point) => format!("{:?}", units.coordinates(&point.components()[..point.dimension()])),
         }
     }
 

@@ -26,8 +26,7 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         let enough = if need > bytes { "; this is hardly enough" } else { "" };
         format!(" of {} that {source} leaves{enough}", in_words(bytes))
     });
-    let factorizations = choice.paths().first().map_or(0.0, |path| path.factorizations);
-    let assumed = format!("{factorizations:.0} factorisations");
+    let assumed = format!("{:.0} factorisations", choice.paths().first().map_or(0.0, |path| path.factorizations));
     let of_memory = budget.map_or("", |_| "  out of memory from");
     let mut lines = vec![
         format!("memory       about {}{of}", in_words(need)),
