@@ -37,10 +37,9 @@ pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
 fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning {
     let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
     if found.work_error.abs() > 1.0 {
+        let value = energy(found.friction_work);
         let message = format!(
-            "the error of the friction work, {}, because of the increments is unknown, and larger than this value; take \
-             four times as many increments",
-            energy(found.friction_work)
+            "the increments leave an error of more than 100 % of the friction work, {value}; take four times as many"
         );
         return Warning { kind: WarningKind::IncrementsWork, message };
     }

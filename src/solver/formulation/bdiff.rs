@@ -30,8 +30,6 @@ pub struct Bdiff {
     rows: NaturalRows,
     matrix: MixedMatrix,
     cases: Vec<Option<Case>>,
-    /// `true` if a drag determines every motion.
-    is_dragged: bool,
 }
 
 /// The normal case of a contact node, and its tangential case if it has a tangential unknown.
@@ -47,7 +45,7 @@ impl Bdiff {
     pub fn on(assembled: Assembled, conventions: &FormulationScaling) -> Self {
         let Assembled { data, matrix } = assembled;
         let cases = vec![None; data.layout.contacts()];
-        Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data, is_dragged: false }
+        Bdiff { rows: NaturalRows::new(conventions, &data.scaling), matrix, cases, data }
     }
 
     /// Returns the assembled problem for another formulation.
@@ -333,11 +331,11 @@ impl Bdiff {
 const FAR: f64 = 1e3;
 
 impl Bdiff {
-    /// Returns `true` if all nodes of the parts that the motion moves keep their cases of the last linearisation at `z` and
-    /// however far they move on along it; `part` are the parts of the nodes. Other parts know nothing of it.
-    pub fn moves_on(&self, z: &[f64], weights: &[f64], part: &[usize]) -> bool {
+    /// Returns `true` if all nodes of the parts that the rigid `motion` moves keep their cases of the last linearisation at `z`
+    /// and however far they move on along it; `part` are the parts of the nodes. Other parts know nothing of it.
+    pub fn moves_on(&self, z: &[f64], mut motion: Vec<f64>, part: &[usize]) -> bool {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let motion = self.data.motion(weights, z.len());
+        motion.resize(z.len(), 0.0);
         let data = &self.data;
         let lengths = [&z[..self.layout().displacements()], &data.w_t_last, &data.w_o_last].map(largest);
         let size = FAR * lengths.into_iter().fold(0.0, f64::max) / largest(&motion);

@@ -85,8 +85,7 @@ impl MixedMatrix {
     pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
         for place in places {
             if let Some(slot) = self.matrix.pattern().slot(place, place) {
-                let own = self.matrix.get(place, place);
-                let stiffness = if own > 0.0 { own } else { 1.0 };
+                let stiffness = self.stiffness_at(place);
                 self.matrix.rest_mut().values_mut()[slot] += stiffness;
                 self.springs.push(Spring { place, stiffness });
             }
@@ -101,9 +100,14 @@ impl MixedMatrix {
         }
     }
 
-    /// Adds a drag of `share` of its entry of `K` to the displacement `place`, and returns it.
+    /// Returns the entry of `K` of a displacement, or 1 if it is 0.
+    fn stiffness_at(&self, place: usize) -> f64 {
+        Some(self.matrix.get(place, place)).filter(|own| *own > 0.0).unwrap_or(1.0)
+    }
+
+    /// Adds a drag of this `share` of its stiffness to the displacement `place`, and returns it.
     pub(super) fn drag(&mut self, place: usize, share: f64) -> f64 {
-        let drag = share * self.matrix.get(place, place);
+        let drag = share * self.stiffness_at(place);
         if let Some(slot) = self.matrix.pattern().slot(place, place) {
             self.matrix.rest_mut().values_mut()[slot] += drag;
         }

@@ -136,11 +136,12 @@ impl Strategy {
         formulation.linearize(&z);
         if let (Termination::Converged, Some(motion)) = (&result.stop, motion_against(task, &state.p_n)) {
             // At the very limit of friction the excess is rounding, and the joint still holds.
-            let friction = friction_work(problem, increment.mu, &state.p_n, &problem.rigid_motion(&motion));
+            let v = problem.rigid_motion(&motion);
+            let friction = friction_work(problem, increment.mu, &state.p_n, &v);
             let moves = beyond(&state.p_n, &motion) > DRAGGED * friction;
-            if moves && formulation.moves_on(&z, &motion, &problem.natural().contact_part) {
-                let slips = friction > 0.0;
-                result.stop = if slips { Termination::Slips(motion) } else { Termination::NoEquilibrium(motion) };
+            if moves && formulation.moves_on(&z, v, &problem.natural().contact_part) {
+                result.stop =
+                    if friction > 0.0 { Termination::Slips(motion) } else { Termination::NoEquilibrium(motion) };
             }
         }
         if result.stop == Termination::Converged {

@@ -3,7 +3,7 @@
 use stickslip::algebra::linear::rank_count;
 use stickslip::base::{Budget, in_words};
 use stickslip::body::Model;
-use stickslip::run::{AvailableSolvers, Choice, MemoryEstimate, RunError, SolverEstimate, unsuited};
+use stickslip::run::{AvailableSolvers, Choice, MemoryEstimate, RunError, unsuited};
 use stickslip::scene::Scene;
 use stickslip::solver::InitialWorkingSet;
 use stickslip::solver::history::LinearAlgebra;
@@ -33,14 +33,13 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
         format!("estimated    {assumed:<18} {:>9} {:>9}{of_memory}", "time", "memory"),
     ];
     for path in choice.paths() {
-        let SolverEstimate { linear, cost, .. } = path;
         let need = MemoryEstimate::of_path(model, path);
         let out = budget.map_or(String::new(), |Budget { bytes, .. }| {
-            format!("  {:.1e} displacements on", need.most_displacements(model, *linear, bytes))
+            format!("  {:.1e} displacements on", need.most_displacements(model, path.linear, bytes))
         });
-        let chosen = if *linear == choice.linear { ", \"auto\"" } else { "" };
-        let name = format!("{linear}{chosen}");
-        lines.push(format!("             {name:<18} {:>7.2} s {:>9}{out}", cost.seconds, in_words(need.bytes())));
+        let chosen = if path.linear == choice.linear { ", \"auto\"" } else { "" };
+        let name = format!("{}{chosen}", path.linear);
+        lines.push(format!("             {name:<18} {:>7.2} s {:>9}{out}", path.cost.seconds, in_words(need.bytes())));
     }
     if ranks > 1 {
         lines.push(format!(

@@ -264,9 +264,8 @@ fn print_estimates(report: &RunReport) {
         say!("mesh error   about {:.1} % in the energy norm", 100.0 * error);
     }
     let slips = |found: &IncrementError| found.friction_work > 0.0;
-    if let Some(error) =
-        report.estimates.increments.filter(slips).and_then(|found| found.force_error).filter(|e| *e > 0.0)
-    {
+    let force_error = report.estimates.increments.filter(slips).and_then(|found| found.force_error);
+    if let Some(error) = force_error.filter(|e| *e > 0.0) {
         let size = if error > 1.0 { "unknown".to_string() } else { format!("about {:.1} %", 100.0 * error) };
         say!("time steps   error of the tangential forces {size}");
     }
