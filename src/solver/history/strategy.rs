@@ -95,8 +95,7 @@ impl Strategy {
     }
 
     /// Solves the increment with a drag, from the state `last`, or from where the loads exceed the friction of the normal forces
-    /// `p_n` (n_c, N). Ends the
-    /// increment if the body slides there or leaves its obstacles.
+    /// `p_n` (n_c, N). Ends the increment if the body slides there or leaves its obstacles.
     fn slide(
         &mut self,
         task: &Task<'_>,
