@@ -217,8 +217,8 @@ impl Dataset {
         if is_standard { Ok(()) } else { Err(self.of_type(expected)) }
     }
 
-    /// Returns the text of a dataset of one text of fixed length, without what follows a 0, if it is no longer than the file. Invalid UTF-8 is
-    /// replaced.
+    /// Returns the text of a dataset of one text of fixed length, without what follows a 0, if it is no longer than the file.
+    /// Invalid UTF-8 is replaced.
     pub(crate) fn text(&self) -> Result<Option<String>, Hdf5Error> {
         let is_text = matches!(self.values.dtype(), Datatype::String { size: StringSize::Fixed(_), .. });
         if !self.is_written || !is_text || self.values.raw_byte_len()? > self.length {

@@ -302,7 +302,7 @@ fn held_by_contact(model: &Model) -> String {
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
     let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
     format!(
-        "no equilibrium exists: the loads drive {motion}, and no contact force within the friction limit resists; \
+        "no equilibrium: the loads drive {motion}, and no contact force within the friction limit resists; \
          change the loads or add a support"
     )
 }

@@ -7,11 +7,11 @@
 //! | the interior point method | ten times that distance | 30 iterations |
 //! | the interior point method | a hundred times that distance | the iterations that are left |
 //!
-//! If a state shows that the body slides or leaves its obstacles (see below), nothing is. It is looked for before the first attempt
-//! if the friction of the last normal forces does not suffice, and else after it. If an attempt of the interior point method comes near a solution, BN finishes it in at most ten iterations. If no
-//! attempt solves a substep and the working set lacks nodes, the set grows. Otherwise the substep is halved, at most six
-//! times (`increment.rs`). A method of the paper is not in this table: `algorithm.rs` creates it alone, and its increments
-//! are not halved.
+//! If a state shows that the body slides or leaves its obstacles (see below), nothing is. It is looked for before the first
+//! attempt if the friction of the last normal forces does not suffice, and else after it. If an attempt of the interior point
+//! method comes near a solution, BN finishes it in at most ten iterations. If no attempt solves a substep and the working set
+//! lacks nodes, the set grows. Otherwise the substep is halved, at most six times (`increment.rs`). A method of the paper is not
+//! in this table: `algorithm.rs` creates it alone, and its increments are not halved.
 //!
 //! | of 615 random scenes | converge |
 //! | --- | --- |
