@@ -78,6 +78,24 @@ def test_nothing_is_wider_than_the_screen(page, browser, size):
         context.close()
 
 
+def test_a_drag_zooms_and_a_double_click_shows_all_again(fretting, tab):
+    tab.goto((fretting / "report.html").as_uri())
+    ticks = tab.locator("#curve > svg > text").all_inner_texts()
+    tab.locator("#curve > svg").scroll_into_view_if_needed()
+    box = tab.locator("#curve > svg").bounding_box()
+    at = lambda x, y: (box["x"] + x * box["width"], box["y"] + y * box["height"])
+    tab.mouse.move(*at(0.4, 0.3))
+    tab.mouse.down()
+    tab.mouse.move(*at(0.7, 0.6))
+    tab.mouse.up()
+    assert tab.locator("#curve > svg > svg").get_attribute("style") == "overflow:hidden"
+    assert tab.locator("#curve > svg > text").all_inner_texts() != ticks
+    tab.mouse.dblclick(*at(0.5, 0.5))
+    assert tab.locator("#curve > svg > text").all_inner_texts() == ticks
+    assert tab.locator("#curve > svg > svg").get_attribute("style") == "overflow:visible"
+    assert tab.faults == []
+
+
 def test_it_prints(page, tab, tmp_path):
     tab.goto(page.as_uri())
     tab.pdf(path=tmp_path / "report.pdf")
@@ -91,8 +109,8 @@ def set_slider(tab, selector, value):
 def test_key_results_have_units_and_errors(fretting, tab):
     tab.goto((fretting / "report.html").as_uri())
     rows = [row.inner_text() for row in tab.query_selector_all("#results tbody tr")]
-    assert [row.split("\t")[0] for row in rows] == ["largest pressure", "largest contact force", "friction work", "stick zone", "largest displacement"]
-    assert "MPa" in rows[0] and "N/mm" in rows[1] and "mJ/mm" in rows[2] and "\t± 0.0" in rows[3] and "mm" in rows[4]
+    assert [row.split("\t")[0] for row in rows] == ["largest pressure", "largest contact force", "largest tangential force", "friction work", "stick zone", "largest displacement"]
+    assert "MPa" in rows[0] and "N/mm" in rows[1] and "N/mm" in rows[2] and "mJ/mm" in rows[3] and "\t± 0.0" in rows[4] and "mm" in rows[5]
     assert "%" in rows[0].split("\t")[3]
 
 

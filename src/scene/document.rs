@@ -38,44 +38,66 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     }
 }
 
-/// One value for an axis, or a list with one value for each segment of the axis.
+/// One value, or a list of several.
 #[derive(Clone)]
-pub(super) struct Segments<T>(pub Vec<T>);
+pub(super) enum OneOrMany<T> {
+    One(T),
+    Many(Vec<T>),
+}
 
-impl<T: fmt::Debug> fmt::Debug for Segments<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match &self.0[..] {
-            [one] => one.fmt(f),
-            all => all.fmt(f),
+impl<T> OneOrMany<T> {
+    /// Returns the values as a list.
+    pub fn into_vec(self) -> Vec<T> {
+        match self {
+            OneOrMany::One(one) => vec![one],
+            OneOrMany::Many(all) => all,
         }
     }
 }
 
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for Segments<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(SegmentsVisitor(PhantomData))
+impl<T: fmt::Debug> fmt::Debug for OneOrMany<T> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            OneOrMany::One(one) => one.fmt(f),
+            OneOrMany::Many(all) => all.fmt(f),
+        }
     }
 }
 
-struct SegmentsVisitor<T>(PhantomData<T>);
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrMany<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(OneOrManyVisitor(PhantomData))
+    }
+}
 
-impl<'de, T: Deserialize<'de>> Visitor<'de> for SegmentsVisitor<T> {
-    type Value = Segments<T>;
+/// Reads one value or a list with the errors of the values themselves, which an untagged enum would hide.
+struct OneOrManyVisitor<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrManyVisitor<T> {
+    type Value = OneOrMany<T>;
 
     fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a list of numbers")
+        f.write_str("one value or a list of them")
     }
 
     fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(|one| Segments(vec![one]))
+        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
     }
 
     fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(|one| Segments(vec![one]))
+        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
+    }
+
+    fn visit_str<E: de::Error>(self, value: &str) -> Result<Self::Value, E> {
+        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
+        T::deserialize(MapAccessDeserializer::new(map)).map(OneOrMany::One)
     }
 
     fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Segments)
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(OneOrMany::Many)
     }
 }
 
@@ -162,7 +184,7 @@ pub(super) struct Support {
     pub coupling: Option<String>,
     pub fix: Option<Vec<Fix>>,
     pub direction: Option<Vector>,
-    pub displacement: Option<Segments<f64>>,
+    pub displacement: Option<OneOrMany<f64>>,
     pub history: Option<Vec<Tuple<f64>>>,
 }
 
@@ -186,7 +208,7 @@ pub(super) struct Spring {
     pub point: Option<Vector>,
     pub coupling: Option<String>,
     pub stiffness: Option<Vec<f64>>,
-    pub rotational: Option<Segments<f64>>,
+    pub rotational: Option<OneOrMany<f64>>,
     pub normal: Option<f64>,
     pub tangential: Option<f64>,
 }
@@ -197,8 +219,8 @@ pub(super) struct ContactTable {
     pub boundary: String,
     pub friction: Option<Scalar>,
     pub friction_history: Option<Vec<Tuple<f64>>>,
-    pub obstacle: Option<Obstacles>,
-    pub against: Option<Names>,
+    pub obstacle: Option<OneOrMany<Obstacle>>,
+    pub against: Option<OneOrMany<String>>,
     pub glue: Option<bool>,
     pub shift: Option<Vector>,
     pub search: Option<f64>,
@@ -217,44 +239,6 @@ pub(super) struct Pretension {
     pub shortening: Option<f64>,
     pub history: Option<Vec<Tuple<f64>>>,
     pub lock: Option<f64>,
-}
-
-/// A name, or a list of several.
-#[derive(Deserialize)]
-#[serde(untagged, expecting = "invalid type, expected a name in quotes, or a list of names")]
-pub(super) enum Names {
-    One(String),
-    Several(Vec<String>),
-}
-
-/// One obstacle, or a list of several.
-pub(super) enum Obstacles {
-    One(Box<Obstacle>),
-    Several(Vec<Obstacle>),
-}
-
-impl<'de> Deserialize<'de> for Obstacles {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ObstaclesVisitor)
-    }
-}
-
-struct ObstaclesVisitor;
-
-impl<'de> Visitor<'de> for ObstaclesVisitor {
-    type Value = Obstacles;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a table or a list of tables")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-        Obstacle::deserialize(MapAccessDeserializer::new(map)).map(|one| Obstacles::One(Box::new(one)))
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(values)).map(Obstacles::Several)
-    }
 }
 
 #[derive(Deserialize)]
@@ -318,7 +302,7 @@ pub(super) struct Load {
     pub traction: Option<Vec<Scalar>>,
     pub pressure: Option<Scalar>,
     pub force: Option<Vec<f64>>,
-    pub moment: Option<Segments<f64>>,
+    pub moment: Option<OneOrMany<f64>>,
     pub acceleration: Option<Vec<f64>>,
     pub rotation: Option<Spin>,
     pub temperature: Option<Scalar>,
@@ -427,13 +411,13 @@ pub(super) enum MeshKind {
 #[serde(deny_unknown_fields)]
 pub(super) struct Mesh {
     pub kind: MeshKind,
-    pub size: Option<Vec<Segments<f64>>>,
+    pub size: Option<Vec<OneOrMany<f64>>>,
     pub cells: Option<CellKind>,
     pub file: Option<String>,
     pub scale: Option<f64>,
     pub element: Option<Element>,
-    pub elements: Option<Vec<Segments<i64>>>,
-    pub grading: Option<Vec<Segments<f64>>>,
+    pub elements: Option<Vec<OneOrMany<i64>>>,
+    pub grading: Option<Vec<OneOrMany<f64>>>,
     pub origin: Option<Vector>,
     pub contact_width: Option<f64>,
     pub contact_elements: Option<i64>,

@@ -33,7 +33,7 @@ pub struct LargestPressure {
     /// The number of nodes across the zone of the node; none if the whole surface is in contact.
     pub nodes_across: Option<usize>,
     /// The error of the mesh, as a share, see doc/method/estimates.md. `None` if it is unknown or above 1: in zones of up to
-    /// three nodes across, at a singular edge, at the rim of a surface that is wholly in contact.
+    /// three nodes across, at a singular edge, at the rim of a surface that is wholly in contact, or on one that slides there.
     pub mesh_error: Option<f64>,
     /// `true` if the pressure is singular at a corner, so that it depends on the mesh.
     #[serde(default)]
@@ -45,6 +45,9 @@ const OF_LARGEST: f64 = 0.25;
 
 /// A pressure at the rim of a surface in contact that exceeds the mean with its neighbours by a larger share may be singular.
 const STEEP: f64 = 0.01;
+
+/// A tangential force that is less than the friction by a smaller share of it counts as that of a slipping node.
+const SLIDES: f64 = 1e-6;
 
 /// The largest pressure so far, with its place, time and state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -127,6 +130,7 @@ impl Peak {
             Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => 0.5 * largest,
             Some(largest) => OF_LARGEST * largest,
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
+            None if self.slides_at_the_rim(model, graph) => return None,
             None => discretisation?.powi(2).max(surface.scatter),
         };
         let others =
@@ -134,6 +138,17 @@ impl Peak {
         let possible = others.filter_map(|zone| zone.largest_possible());
         let error = possible.fold(own, |error, possible| error.max(possible / self.pressure - 1.0));
         Some(error).filter(|error| *error <= 1.0)
+    }
+
+    /// Returns `true` if a node at the rim of the peak's boundary slips with friction. The pressure there may be singular, by
+    /// an exponent that depends on the friction, and exceed the peak on a finer mesh.
+    fn slides_at_the_rim(&self, model: &Model, graph: &ContactGraph) -> bool {
+        let State { p_n, p_t, p_o, .. } = &self.state;
+        let slides = |i: usize| {
+            let bears = model.problem.mu()[i] * p_n[i];
+            bears > 0.0 && p_t[i].hypot(p_o[i]) >= (1.0 - SLIDES) * bears
+        };
+        model.contact_boundaries[self.at[0]].nodes.iter().any(|&i| graph.is_at_the_rim(i) && slides(i))
     }
 
     /// Returns the pressure for the report.

@@ -7,7 +7,7 @@ use crate::body::description::{
     Action, Axis, Bed, Coupling, Direction, Held, Load, Part, Pretension, Support, Tightening, Where,
 };
 use crate::scene::SceneError;
-use crate::scene::document::{self, Fix, Segments};
+use crate::scene::document::{self, Fix, OneOrMany};
 
 /// Converts a support.
 pub(super) fn support(given: document::Support, reader: Reader<'_>) -> Result<Support, SceneError> {
@@ -25,10 +25,10 @@ pub(super) fn support(given: document::Support, reader: Reader<'_>) -> Result<Su
         (Some(fix), None) => fix.into_iter().map(held_along).collect(),
     };
     let moves = displacement.is_some();
-    let displacements = match displacement {
+    let displacements = match displacement.map(OneOrMany::into_vec) {
         None => vec![0.0; directions.len()],
-        Some(Segments(values)) if values.len() == directions.len() => values,
-        Some(Segments(values)) => {
+        Some(values) if values.len() == directions.len() => values,
+        Some(values) => {
             let (n, d) = (values.len(), directions.len());
             let message = format!("displacement has {n} values, but the support holds {d} directions");
             let help = "give one for each direction that is held, in the order of fix";
@@ -97,7 +97,7 @@ pub(super) fn spring(given: document::Spring, reader: Reader<'_>) -> Result<Bed,
         reader.foreign("a spring with a stiffness along the axes", given!(given; normal tangential))?;
     }
     let document::Spring { boundary, point, coupling, stiffness, rotational, normal, tangential } = given;
-    if let Some(Segments(rotational)) = rotational {
+    if let Some(rotational) = rotational.map(OneOrMany::into_vec) {
         let coupling = reader.needed("a coupling", coupling, "coupling", "a rotational spring")?;
         return Ok(Bed::Rotational { coupling, rotational: reader.components(Quantity::Moment, rotational) });
     }
@@ -154,7 +154,7 @@ pub(super) fn load(given: document::Load, reader: Reader<'_>) -> Result<Load, Sc
     } else if let Some(force) = given.force {
         let at = place(boundary, point, coupling, &whose, reader)?;
         Action::Force { at, force: reader.components(Quantity::Force, force) }
-    } else if let Some(Segments(moment)) = given.moment {
+    } else if let Some(moment) = given.moment.map(OneOrMany::into_vec) {
         let missing = || {
             let help = "a moment acts on the reference point of a [[coupling]]: add the key";
             reader.fault("coupling", "a moment needs a coupling", help)

@@ -6,7 +6,7 @@ use crate::base::units::Quantity;
 use crate::body::fem::{Element, Layer, Material, MaterialGroup};
 use crate::body::mesh::{Body, HalfPlane, MeshFormat, MeshSource};
 use crate::scene::SceneError;
-use crate::scene::document::{self, Document, Mesh, MeshKind, Segments, Tuple};
+use crate::scene::document::{self, Document, Mesh, MeshKind, OneOrMany, Tuple};
 
 /// Mesh, elements and materials of all bodies of a scene.
 pub(super) struct Bodies {
@@ -118,7 +118,7 @@ pub(super) fn source(mesh: &Mesh, reader: Reader<'_>) -> Result<MeshSource, Scen
 fn block(mesh: &Mesh, size: &[Vec<f64>], reader: Reader<'_>) -> Result<MeshSource, SceneError> {
     let given = reader.needed("mesh.elements", mesh.elements.as_ref(), KIND, "a block")?;
     let elements: Option<Vec<Vec<usize>>> =
-        given.iter().map(|Segments(axis)| axis.iter().map(|&n| usize::try_from(n).ok()).collect()).collect();
+        lists(given).into_iter().map(|axis| axis.into_iter().map(|n| usize::try_from(n).ok()).collect()).collect();
     let help = "give the numbers of elements along each axis";
     // Negative numbers of elements are invalid.
     let sound = ensure(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help);
@@ -153,6 +153,6 @@ fn half_plane(mesh: &Mesh, size: &[Vec<f64>], reader: Reader<'_>) -> Result<Mesh
     }))
 }
 
-fn lists<T: Clone>(given: &[Segments<T>]) -> Vec<Vec<T>> {
-    given.iter().map(|Segments(values)| values.clone()).collect()
+fn lists<T: Clone>(given: &[OneOrMany<T>]) -> Vec<Vec<T>> {
+    given.iter().cloned().map(OneOrMany::into_vec).collect()
 }

@@ -6,7 +6,7 @@ use crate::base::units::Quantity;
 use crate::body::contact::{Obstacle, Place, Rotation, Shape};
 use crate::body::description::{Against, Contact, Opposite};
 use crate::scene::SceneError;
-use crate::scene::document::{self, ContactTable, Names, ObstacleKind, Obstacles, Scalar};
+use crate::scene::document::{self, ContactTable, ObstacleKind, OneOrMany, Scalar};
 
 /// Converts a contact.
 pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Contact, SceneError> {
@@ -28,10 +28,10 @@ pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Con
             let keys = given!(given; glue shift search gap adjust direction slave);
             reader.foreign("a contact with an obstacle", keys)?;
             Against::Obstacles(match obstacles {
-                Obstacles::One(one) => {
-                    vec![self::obstacle(*one, Reader { key: &reader.path("obstacle"), ..reader })?]
+                OneOrMany::One(one) => {
+                    vec![self::obstacle(one, Reader { key: &reader.path("obstacle"), ..reader })?]
                 }
-                Obstacles::Several(all) => reader.each("obstacle", all, self::obstacle)?,
+                OneOrMany::Many(all) => reader.each("obstacle", all, self::obstacle)?,
             })
         }
         (None, Some(names)) => {
@@ -50,13 +50,10 @@ pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Con
     Ok(Contact { boundary: given.boundary, friction, friction_history, against })
 }
 
-fn opposite(names: Names, given: &ContactTable, reader: Reader<'_>) -> Result<Opposite, SceneError> {
+fn opposite(names: OneOrMany<String>, given: &ContactTable, reader: Reader<'_>) -> Result<Opposite, SceneError> {
     let help = "give \"measured\", a number, or a formula of x, y and z, in m or as [units] says";
     Ok(Opposite {
-        boundaries: match names {
-            Names::One(name) => vec![name],
-            Names::Several(names) => names,
-        },
+        boundaries: names.into_vec(),
         glued: given.glue.unwrap_or(false),
         shift: given.shift.map(|shift| reader.point(shift)),
         search: given.search.map(|search| reader.length(search)),

@@ -1,7 +1,9 @@
 // A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point; `arrows` in the direction of time; `ends`, its
-// first and last point; `wide`, or `bare` without the curve itself.
+// first and last point; `wide`, or `bare` without the curve itself. A drag zooms, and a double click or double tap shows all again.
+// Own code: uPlot (51 kB) and dygraphs (130 kB) want ascending x, which loops do not have; Chart.js takes 210 kB, and one more plugin to zoom.
 const NS = "http://www.w3.org/2000/svg";
-function draw(into, curves, [across, up]) {
+function draw(into, curves, titles, zoom = null) {
+  const [across, up] = titles;
   into.replaceChildren();
   const points = curves.flatMap((curve) => curve.points).filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
   if (!points.length) return;
@@ -13,19 +15,20 @@ function draw(into, curves, [across, up]) {
     if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
     return high > low ? [low, high] : [low - 1, high + 1];
   };
-  const [x0, x1] = range(0, false), [y0, y1] = range(1, true);
+  const [[x0, x1], [y0, y1]] = zoom || [range(0, false), range(1, true)];
   const X = (x) => L + ((x - x0) / (x1 - x0)) * (W - L - R), Y = (y) => H - B - ((y - y0) / (y1 - y0)) * (H - T - B);
   const svg = document.createElementNS(NS, "svg");
   svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
   svg.setAttribute("role", "img");
   svg.setAttribute("aria-label", `${up} against ${across}`);
-  const add = (name, attributes, text = "") => {
+  const addTo = (parent) => (name, attributes, text = "") => {
     const node = document.createElementNS(NS, name);
     for (const [key, value] of Object.entries(attributes)) node.setAttribute(key, value);
     node.textContent = text;
-    svg.append(node);
+    parent.append(node);
     return node;
   };
+  const add = addTo(svg);
   const ticks = (low, high) => {
     const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= raw);
@@ -42,25 +45,45 @@ function draw(into, curves, [across, up]) {
   }
   add("text", { x: (L + W - R) / 2, y: H - 6, "text-anchor": "middle" }, across);
   add("text", { x: 4, y: 16 }, up);
+  const box = { x: L, y: T, width: W - L - R, height: H - T - B };
+  const inside = addTo(add("svg", { ...box, viewBox: Object.values(box).join(" "), style: `overflow:${zoom ? "hidden" : "visible"}` }));
   let right = W - R;
   for (const { name, colour, points, marks, arrows, ends, wide, bare } of curves) {
     const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
     const shown = at.map(([x, y]) => [X(x), Y(y)]);
-    if (!bare) add("polyline", { points: shown.map((p) => p.map((c) => c.toFixed(1)).join(",")).join(" "), style: `stroke:${colour};stroke-width:${wide ? 2.6 : 1.6}` });
+    if (!bare) inside("polyline", { points: shown.map((p) => p.map((c) => c.toFixed(1)).join(",")).join(" "), style: `stroke:${colour};stroke-width:${wide ? 2.6 : 1.6}` });
     if (arrows) for (const [x, y, angle] of arrowsOn(shown))
-      add("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
-    if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => add("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
-    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && add("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
+      inside("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
+    if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => inside("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
+    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
     if (curves.length === 1) continue;
     const label = add("text", { x: right, y: isNarrow ? 36 : 16, "text-anchor": "end", style: `fill:${colour}` }, name);
     right -= 9 * name.length + 20;
     label.setAttribute("font-weight", "600");
   }
-  const dot = add("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
+  const dot = inside("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
   const tip = add("text", { y: T + 12, visibility: "hidden" });
+  const frame = inside("rect", { class: "zoom", visibility: "hidden" });
+  const place = (event) => {
+    const { left, top, width } = svg.getBoundingClientRect();
+    return [event.clientX - left, event.clientY - top].map((c) => (c * W) / width);
+  };
+  // The ranges of a drag, along a side of the chart that it hardly crosses the whole; none if it is short along both.
+  let from = null;
+  const dragged = (to) => {
+    const sides = from ? [0, 1].map((k) => [from[k], to[k]].sort((a, b) => a - b)) : [], isShort = ([a, b]) => b - a < 8;
+    return sides.every(isShort) ? [] : sides.map((side, k) => (isShort(side) ? [[L, W - R], [T, H - B]][k] : side));
+  };
+  svg.addEventListener("pointerdown", (event) => { from = place(event); });
+  svg.addEventListener("pointerup", (event) => {
+    const [x, y] = dragged(place(event)), back = (c, start, length, low, high) => low + ((c - start) / length) * (high - low);
+    from = null;
+    if (x) draw(into, curves, titles, [x.map((c) => back(c, L, W - L - R, x0, x1)), y.map((c) => back(c, H - B, T + B - H, y0, y1)).reverse()]);
+  });
+  svg.addEventListener("dblclick", () => draw(into, curves, titles));
   svg.addEventListener("pointermove", (event) => {
-    const scale = W / svg.getBoundingClientRect().width;
-    const mouse = [event.offsetX * scale, event.offsetY * scale];
+    const mouse = place(event), [x, y] = dragged(mouse);
+    if (x) Object.entries({ x: x[0], width: x[1] - x[0], y: y[0], height: y[1] - y[0], visibility: "visible" }).forEach(([key, value]) => frame.setAttribute(key, value));
     let best = null;
     for (const curve of curves) for (const [x, y] of curve.points) {
       const distance = Math.hypot(X(x) - mouse[0], Y(y) - mouse[1]);

@@ -9,11 +9,10 @@ verdict.classList.add(report.status === "converged" ? "good" : "bad");
 $(".reason").textContent = report.reason || (ended ? "" : "run.json is missing: the run still goes on, or was killed. `stickslip run` with --resume ends it. Verdict, warnings and errors come with its end.");
 
 // The key results: value, place and time, and what mesh and time steps may have spoiled.
-const { largest_pressure: peak, largest_force: force, friction, stick_zone: stick, largest_displacement: moved } = report;
+const { largest_pressure: peak, largest_force: force, holding_force: held, friction, stick_zone: stick, largest_displacement: moved } = report;
 const estimates = report.estimates || {};
 const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
 const placeOf = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")}) ${LENGTH}`;
-const upTo = (error) => (error == null ? "unknown" : `up to ${percent(error)}`);
 const about = (error) => (error == null ? "unknown" : Math.abs(error) < 0.001 ? "below 0.1 %" : `about ${percent(Math.abs(error))}`);
 const keyRow = (...cells) => {
   const row = element("tr");
@@ -28,11 +27,13 @@ if (peak && peak.pressure) {
   const singular = peak.singular ?? (report.warnings || []).some(({ kind }) => kind === "singular-edge");
   const across = peak.nodes_across ? `, ${peak.nodes_across} nodes across` : "";
   keyRow("largest pressure", rounded(peak.pressure, STRESS), `${peak.boundary}, ${placeOf(peak.position)}, t = ${plain(peak.time)} s`,
-    (singular ? "singular: it depends on the mesh" : upTo(peak.mesh_error ?? estimates.peak_error)) + across, "");
+    (singular ? "singular: it depends on the mesh" : about(peak.mesh_error)) + across, "");
 }
+const ofMesh = ({ given, mesh_error }) => (given ? "loads alone determine it" : about(mesh_error));
 if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
-  about(force.mesh_error), `tangential part ${about(force.time_error)}`);
-if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", upTo(friction.mesh_error),
+  ofMesh(force), "");
+if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), about(held.time_error));
+if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", about(friction.mesh_error),
   about(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
 if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");

@@ -185,8 +185,8 @@ fn print_largest(report: &RunReport) {
     };
     if let Some(LargestForce { boundary, magnitude, time, mesh_error, given, .. }) = &report.largest_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
-        let error = if *given { String::new() } else { format!(", {}", about(*mesh_error)) };
-        say!("force        {force} at most on `{boundary}`, at t = {} s{error}", six_digits(*time));
+        let error = if *given { "loads alone determine it".to_string() } else { about(*mesh_error) };
+        say!("force        {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
     }
     if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
