@@ -114,3 +114,34 @@ fn an_error_of_increments_above_the_force_is_unknown() {
     let (error, told) = of(64);
     assert!(error < 1.0 && told == Some(error), "{error} {told:?}");
 }
+
+/// Two blocks of one width, of which the upper one is pressed and pulled along the other until it slides. A coarse mesh does
+/// not show the singular pressures at the ends.
+#[test]
+fn the_peak_of_a_surface_that_slides_at_its_rim_is_unknown() {
+    let of = |finer: usize| {
+        let block = |name: &str, y: f64, elements: usize| {
+            format!(
+                "[[body]]\nname = \"{name}\"\nat = [0, {y:?}]\nmaterial = {{ young = 2.1e11, poisson = 0.3 }}\n\
+                 mesh = {{ kind = \"block\", size = [2, 1], elements = [{}, {}] }}\n",
+                2 * elements * finer,
+                elements * finer
+            )
+        };
+        let text = format!(
+            "{}{}[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]\n[[contact]]\nboundary = \"upper:bottom\"\n\
+             friction = 0.2\nagainst = \"lower:top\"\n[[load]]\nboundary = \"upper:top\"\npressure = 3e7\n\
+             history = [[0, 0], [1, 1], [2, 1]]\n[[support]]\nboundary = \"upper:left\"\nfix = [\"x\"]\n\
+             displacement = [1e-3]\nhistory = [[1, 0], [2, 1]]\n[time]\nend = 2\nincrements = 4\n",
+            block("upper", 1.0, 5),
+            block("lower", 0.0, 4)
+        );
+        let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
+        assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
+        report.largest_pressure.unwrap()
+    };
+    let (coarse, fine) = (of(1), of(4));
+    let missing = fine.pressure.unwrap() / coarse.pressure.unwrap() - 1.0;
+    println!("peak of a mesh four times as fine: {:+.1} %", 100.0 * missing);
+    assert!(coarse.mesh_error.is_none() && !coarse.singular && missing > 0.1, "{coarse:?} {missing}");
+}
