@@ -37,8 +37,8 @@ pub use fields::fields;
 pub use folder::{FileLock, FolderLock, KeptSolver, LockedOutputDir, ResultFolder, write_file, write_page};
 pub use history_chart::history_charts;
 pub use pace::Pace;
-pub use page::MAX_STATES;
 pub use page::error::PageError;
+pub use page::{CHART_SCRIPT, MAX_STATES};
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
 #[cfg(feature = "schema")]

@@ -49,10 +49,13 @@ const MAX_HISTORY: usize = 700_000;
 /// The columns of a contact line that are drawn.
 const DRAWN: [&str; 7] = ["x", "y", "sigma_n", "sigma_t", "gap", "slip_t", "status"];
 
+/// The script of the charts of pages, `draw(element, curves, [across, up])`.
+pub const CHART_SCRIPT: &str = include_str!("page/chart.js");
+
 /// The parts of the script, in their order.
 const SCRIPT: [&str; 8] = [
     include_str!("page/base.js"),
-    include_str!("page/chart.js"),
+    CHART_SCRIPT,
     include_str!("page/tables.js"),
     include_str!("page/head.js"),
     include_str!("page/contact.js"),

@@ -140,9 +140,9 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         text += "interrupted  repeat the command with the same --out to continue";
     }
     let files = || {
-        let chart = sweep.chart().to_svg()?;
+        let chart = sweep.chart();
         let page = sweep.to_html(&chart);
-        Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart, page]))
+        Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart.to_svg()?, page]))
     };
     tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);

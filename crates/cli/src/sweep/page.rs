@@ -1,11 +1,19 @@
 //! The page of a sweep: table, chart and links to the reports of the variants, for any browser without a network.
 
 use super::table::{Row, Sweep};
+use serde_json::json;
+use stickslip_output::{CHART_SCRIPT, Chart, Curve};
 
 impl Sweep {
-    /// Returns the page, with `chart` as its picture (SVG).
-    pub fn to_html(&self, chart: &str) -> String {
+    /// Returns the page, which draws the `chart`.
+    pub fn to_html(&self, chart: &Chart) -> String {
         let heads = enclosed(&self.heads(), "<th><button>", "</button></th>");
+        let curve = |Curve { label, points, line, colour: [r, g, b], .. }: &Curve| {
+            let colour = format!("#{r:02x}{g:02x}{b:02x}");
+            json!({ "name": label, "colour": colour, "points": points, "bare": line.is_none() })
+        };
+        let curves: Vec<_> = chart.panels.iter().flat_map(|panel| &panel.curves).map(curve).collect();
+        let data = json!({ "titles": [&chart.x.label, &chart.y.label], "curves": curves }).to_string();
         let rows: String = self.variants.iter().map(|row| self.row(row)).collect();
         let notes = enclosed(&self.notes(), "<li>", "</li>");
         let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
@@ -17,10 +25,12 @@ impl Sweep {
             ("<!--TITLE-->", &escaped(&self.title)),
             ("<!--PROGRAM-->", &program),
             ("<!--VERDICT-->", &format!("<p class=\"verdict {class}\">{verdict}</p>")),
-            ("<!--CHART-->", chart),
+            ("<!--SUBTITLE-->", &escaped(&chart.subtitle)),
             ("<!--HEADS-->", &heads),
             ("<!--ROWS-->", &rows),
             ("<!--NOTES-->", &if notes.is_empty() { notes } else { format!("<h2>Notes</h2><ul>{notes}</ul>") }),
+            ("/*DATA*/", &data.replace('<', "\\u003c")),
+            ("/*CHART*/", CHART_SCRIPT),
         ];
         let (mut page, mut rest) = (String::new(), include_str!("page/page.html"));
         // A part is never searched for the mark of another.

@@ -303,12 +303,12 @@ fn sweeps_are_told_in_the_units_of_the_scene() {
         let output =
             stickslip(&["sweep", &scene, "--vary", "contact.friction=0.1,0.2", "--out", &out, "--table", QUANTITIES]);
         assert_exit(&output, 0);
-        let text = stdout(&output).to_string();
+        let page = fs::read_to_string(folder.join("out/sweep.html")).unwrap();
         let json: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/sweep.json")).unwrap()).unwrap();
-        (text, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
+        (page, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
     });
-    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N/m ") && si.1.get("units").is_none());
-    for head in ["pressure, MPa", "max:bottom.f_x, N/mm ", "last:top.u_y, mm ", "friction work, mJ/mm "] {
+    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N/m<") && si.1.get("units").is_none());
+    for head in ["pressure, MPa<", "max:bottom.f_x, N/mm<", "last:top.u_y, mm<", "friction work, mJ/mm<"] {
         assert!(mm.0.contains(head), "{head}: {}", mm.0);
     }
     assert_eq!(mm.1["units"]["force"]["name"], "N/mm");

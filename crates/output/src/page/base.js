@@ -13,17 +13,9 @@ const factor = (quantity) => (known && known[quantity] ? known[quantity].si : 1)
 const unitOf = (column) => (column === "time" ? "s" : unit(quantities[column]));
 const LENGTH = unit("length"), STRESS = unit("stress"), FORCE = unit("force"), ENERGY = unit("energy");
 
-// Numbers with few digits.
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"], [1e-9, "n"]];
 const LARGEST = { m: 1 };
 for (const name of ["Pa", "N", "J", "N m", "N/m", "J/m", "N m/m", "J/m2"]) LARGEST[name] = Infinity;
-function plain(x, digits = 4) {
-  if (!Number.isFinite(x)) return "–";
-  if (x === 0) return "0";
-  const size = Math.abs(Number(x.toPrecision(digits)));
-  if (size < 1e-4 || size >= 1e6) return x.toExponential(digits - 1);
-  return `${Number.isInteger(x) ? x : Number(x.toPrecision(digits))}`;
-}
 function prefix(size, unit) {
   const isSi = known && (!known.length || (LENGTH === "m" && STRESS === "Pa"));
   const found = isSi && size > 0 && LARGEST[unit] ? PREFIXES.filter(([s]) => s <= LARGEST[unit]) : [[1, ""]];

@@ -7,15 +7,14 @@ function draw(into, curves, titles, zoom = null) {
   into.replaceChildren();
   const points = curves.flatMap((curve) => curve.points).filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
   if (!points.length) return;
-  const W = Math.min(900, Math.max(360, into.clientWidth || 900)), H = 300, L = 78, R = 16, B = 46;
-  // Names that do not fit beside the title of the axis are below it.
-  const named = curves.length > 1 ? curves.reduce((sum, { name }) => sum + 9 * name.length + 20, 0) : 0, isNarrow = 8 * up.length + named > W, T = isNarrow ? 48 : 30;
-  const range = (k, zero) => {
+  const W = Math.min(900, Math.max(340, into.clientWidth || 900)), H = 300, L = 78, R = 16, T = 30, B = 46;
+  const range = (k) => {
     let low = Math.min(...points.map((p) => p[k])), high = Math.max(...points.map((p) => p[k]));
-    if (zero) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
+    // Heights that vary by more than half of their size are shown from 0.
+    if (k && high - low > 0.5 * Math.max(-low, high)) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
     return high > low ? [low, high] : [low - 1, high + 1];
   };
-  const [[x0, x1], [y0, y1]] = zoom || [range(0, false), range(1, true)];
+  const [[x0, x1], [y0, y1]] = zoom || [0, 1].map(range);
   const X = (x) => L + ((x - x0) / (x1 - x0)) * (W - L - R), Y = (y) => H - B - ((y - y0) / (y1 - y0)) * (H - T - B);
   const svg = document.createElementNS(NS, "svg");
   svg.setAttribute("viewBox", `0 0 ${W} ${H}`);
@@ -47,7 +46,6 @@ function draw(into, curves, titles, zoom = null) {
   add("text", { x: 4, y: 16 }, up);
   const box = { x: L, y: T, width: W - L - R, height: H - T - B };
   const inside = addTo(add("svg", { ...box, viewBox: Object.values(box).join(" "), style: `overflow:${zoom ? "hidden" : "visible"}` }));
-  let right = W - R;
   for (const { name, colour, points, marks, arrows, ends, wide, bare } of curves) {
     const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
     const shown = at.map(([x, y]) => [X(x), Y(y)]);
@@ -56,10 +54,6 @@ function draw(into, curves, titles, zoom = null) {
       inside("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
     if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => inside("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
     if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
-    if (curves.length === 1) continue;
-    const label = add("text", { x: right, y: isNarrow ? 36 : 16, "text-anchor": "end", style: `fill:${colour}` }, name);
-    right -= 9 * name.length + 20;
-    label.setAttribute("font-weight", "600");
   }
   const dot = inside("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
   const tip = add("text", { y: T + 12, visibility: "hidden" });
@@ -95,7 +89,11 @@ function draw(into, curves, titles, zoom = null) {
     const late = X(best.x) > W / 2;
     tip.setAttribute("x", X(best.x) + (late ? -8 : 8)); tip.setAttribute("text-anchor", late ? "end" : "start"); tip.setAttribute("visibility", "visible");
   });
-  into.append(svg);
+  const names = document.createElement("p");
+  names.className = "names";
+  const named = new Map(curves.map(({ name, colour }) => [name, colour]));
+  if (named.size > 1) names.append(...[...named].map(([name, colour]) => Object.assign(document.createElement("span"), { textContent: name, style: `color:${colour}` })));
+  into.append(names, svg);
 }
 
 // Returns the places and angles, degrees, of arrows at four parts of the length of a curve on the screen.
@@ -109,4 +107,13 @@ function arrowsOn(points) {
     const share = steps[k] ? (part * whole - before) / steps[k] : 0, [[a, b], [c, d]] = [points[k], points[k + 1]];
     return [a + share * (c - a), b + share * (d - b), (180 / Math.PI) * Math.atan2(d - b, c - a)];
   });
+}
+
+// Formats a number with few digits.
+function plain(x, digits = 4) {
+  if (!Number.isFinite(x)) return "–";
+  if (x === 0) return "0";
+  const size = Math.abs(Number(x.toPrecision(digits)));
+  if (size < 1e-4 || size >= 1e6) return x.toExponential(digits - 1);
+  return `${Number.isInteger(x) ? x : Number(x.toPrecision(digits))}`;
 }
