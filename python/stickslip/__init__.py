@@ -13,17 +13,17 @@ SI units throughout; in two dimensions forces are per m of depth.
 from . import builder, exchange, mesh, newton, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
-from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
+from ._errors import AccuracyWarning, NotConvergedWarning, SceneError, StickslipError
 from ._compare import Comparison, compare
 from ._converge import Convergence, converge
-from ._condensed import CondensedProblem
 from ._fields import Svg
+from ._kinds import LAWS, OPEN, SLIP, STICK
 from ._judge import Errors, Posed, Verdict, errors, judge
 from ._many import Results
 from ._options import LinearSolver
-from ._problem import ContactProblem
-from ._result import LAWS, OPEN, SLIP, STICK, Result
-from ._scene import Model, run
+from ._problem import CondensedProblem, ContactProblem
+from ._result import NotConverged, Result
+from ._scene import Model, load, run
 from ._stepper import Stepper, StepperState
 from ._sweep import Sweep, sweep
 from .builder import Scene
@@ -33,6 +33,6 @@ __all__ = [
     "AccuracyWarning", "Comparison", "Convergence", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
     "NotConvergedWarning", "Posed", "Result", "Results", "Scene", "SceneError", "Stepper", "StepperState", "StickslipError",
     "Svg", "Sweep", "Verdict",
-    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "mesh",
+    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "load", "mesh",
     "newton", "run", "siconos", "sweep",
 ]

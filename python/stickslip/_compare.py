@@ -9,7 +9,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from . import plot as _plot
+from . import _plot
 from ._judge import Solver, Verdict, history_of, known, tolerated, verdict_on
 from ._problem import ContactProblem
 from ._scene import Model
@@ -80,18 +80,28 @@ class Comparison:
         return pandas.DataFrame([{key: getattr(v, key) for key in keys} for v in self.verdicts]).set_index("name")
 
     def plot(self, ax: Any = None) -> Any:
-        """Error against CPU time.
+        """Error against CPU time; what breaks a law by more than the tolerance is red.
 
         Parameters
         ----------
-        ax : matplotlib axes, optional
-            New ones without it.
+        ax : matplotlib.axes.Axes, optional
+            Where to draw; new axes without it.
 
         Returns
         -------
-        matplotlib axes
+        matplotlib.axes.Axes
         """
-        return _plot.comparison(self, ax)
+        ax = _plot.axes(ax)
+        for k, verdict in enumerate(verdict for verdict in self.verdicts if len(verdict.errors)):
+            colour, at = _plot.GOOD if verdict.holds else _plot.BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))
+            ax.loglog(*at, "o", color=colour)
+            # Above and below in turn, for those that are near each other.
+            ax.annotate(verdict.name, at, (0, 6 if k % 2 else -14), textcoords="offset points", ha="center", color=colour)
+        ax.margins(0.25)
+        ax.axhline(self.tolerance, linestyle=":", color="grey")
+        ax.set_xlabel("CPU time, s")
+        ax.set_ylabel("largest error of any law")
+        return ax
 
 
 def compare(
@@ -134,8 +144,4 @@ def compare(
         known(f"solvers[{name!r}]", solver)
     tolerated(tolerance)
     data = history_of(of, history)
-    verdicts = []
-    for name, solver in solvers.items():
-        # In no comprehension, whose frame Python 3.11 counts in the place of warnings.
-        verdicts.append(verdict_on(of, solver, history, data, name, tolerance))
-    return Comparison(verdicts, tolerance)
+    return Comparison([verdict_on(of, solver, history, data, name, tolerance) for name, solver in solvers.items()], tolerance)

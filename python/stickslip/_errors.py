@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from ._result import Result
+import sys
+import warnings
+from typing import Any
 
 #: What the program says, and what this module says in its place.
 _WORDS = (
@@ -112,26 +112,23 @@ class SceneError(StickslipError, ValueError):
         return SceneError(message, file, line, key, help)
 
 
-class NotConverged(StickslipError, RuntimeError):
-    """Raised by `Result.check`.
-
-    Attributes
-    ----------
-    result : Result
-        What was reached.
-    """
-
-    def __init__(self, message: str, result: Result) -> None:
-        super().__init__(message)
-        self.result = result
-
-    def __reduce__(self) -> Any:
-        return type(self), (self.args[0], self.result)
-
-
 class NotConvergedWarning(UserWarning):
     """A result that violates a law by more than its tolerance."""
 
 
 class AccuracyWarning(UserWarning):
     """A doubt about the answer of a scene although every law holds; `Result.warnings` has all of them."""
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warns at the line outside this package that led here.
+
+    Parameters
+    ----------
+    message, category : str, type
+        As `warnings.warn` takes them.
+    """
+    here, frame, level = os.path.dirname(__file__) + os.sep, sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, category, stacklevel=level)

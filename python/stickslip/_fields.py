@@ -6,7 +6,7 @@ import json
 import operator
 import os
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +16,23 @@ from ._kinds import VTK
 from ._options import path_of
 from ._words import counted
 
-if TYPE_CHECKING:
-    from ._scene import Model
-
 Array = NDArray[Any]
+
+
+class _Body(Protocol):
+    """The parts of a `Model` that its results need."""
+
+    _core: Any
+    dimension: int
+    problem: Any
+    points: Array
+    cells: list[tuple[str, Array]]
+    contact_nodes: Array
+    contact_points: Array
+    boundaries: dict[str, Array]
+
+    def displacement(self, u: Any, t: float) -> Array: ...
+    def stress(self, u: Any, t: float) -> Array: ...
 
 
 class Svg(str):
@@ -64,6 +77,7 @@ class Fields:
     """The part of `Result` that needs its model."""
 
     if TYPE_CHECKING:
+        status: str
         t: Array
         p_n: Array
         p_t: Array
@@ -71,15 +85,16 @@ class Fields:
         gap: Array
         mu: Array
         w_t_last: Array
+        errors: Array
         kept: tuple[int, ...]
         u: Array
         u_rest: Array
         force: Array
         records: list[dict[str, Any]]
         report: dict[str, Any]
-        model: Model | None
+        model: _Body | None
 
-    def _model(self, wanted: str = "") -> Model:
+    def _model(self, wanted: str = "") -> _Body:
         """The model, for what is `wanted`."""
         if self.model is None:
             cure = f"; {_SUBSTITUTES[wanted]}" if wanted else ""

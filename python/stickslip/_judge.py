@@ -16,8 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 from ._arrays import finite, forces_of, not_masked, numbers, tangential, vector
 from ._errors import NotConvergedWarning
 from ._history import changing
+from ._kinds import LAWS
 from ._problem import ContactProblem
-from ._result import LAWS, Result
+from ._result import Result
 from ._scene import Model
 from ._words import violation
 from .builder import Scene
@@ -303,7 +304,7 @@ def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike]
     times: Array | None = None
     if isinstance(of, Model):
         if history is None and word == "stickslip":
-            return _applicable(of.run(_stacklevel=6))
+            return _applicable(of.run())
         times = of.times if len(of.times) == len(data["force"]) else None
         of = of.problem
     if word == "events" and (data["mu"] != data["mu"][0]).any():
@@ -337,7 +338,7 @@ def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) 
         return rows, ""
     if len(rows) < len(increments):
         rows.append([np.inf] * 6)
-    return rows, result._verdict()
+    return rows, result.message
 
 
 def tolerated(tolerance: object) -> None:

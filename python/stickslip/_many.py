@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numbers
 import os
-import warnings
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
@@ -12,10 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _history
-from ._errors import NotConverged, NotConvergedWarning
+from ._errors import NotConvergedWarning, warn
+from ._kinds import LAWS
 from ._linear import Checked
 from ._options import core_options, keep
-from ._result import LAWS, Result
+from ._result import NotConverged, Result
 from ._words import counted, few, reason_of
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ class Results(list[Result]):
         """Itself; raises `NotConverged` with the first result that did not converge, if there is one."""
         for k, result in enumerate(self):
             if not result.converged:
-                raise NotConverged(f"history {k}: {result._verdict()}", result)
+                raise NotConverged(f"history {k}: {result.message}", result)
         return self
 
     def stack(self, name: str) -> Array:
@@ -192,14 +192,10 @@ def solve(
             bar.close()
     results = Results()
     results._sizes = (problem.n_u, problem.n_c, problem.tangents)
-    with warnings.catch_warnings():
-        # One warning for all of them, below.
-        warnings.simplefilter("ignore", NotConvergedWarning)
-        for (own, tables), raw in zip(histories, raws):
-            results.append(Result._of(raw, own, reason=reason_of(raw)))
+    results.extend(Result._of(raw, own, reason=reason_of(raw)) for (own, _), raw in zip(histories, raws))
     failed = np.flatnonzero(~results.converged)
     if len(failed):
         first = int(failed[0])
-        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first]._verdict()}"
-        warnings.warn(message, NotConvergedWarning, stacklevel=3)
+        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first].message}"
+        warn(message, NotConvergedWarning)
     return results

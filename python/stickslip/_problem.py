@@ -1,31 +1,25 @@
-"""Contact problems made of matrices."""
+"""Contact problems made of matrices, and condensed to their contact displacements."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core, _history, _many
-from ._arrays import Array, compressed, contact_maps, forces_of, tangential
-from ._arrays import vector as vector
+from ._arrays import Array, compressed, contact_maps, finite, forces_of, tangential, vector
 from ._matrices import Matrices
-from ._options import Callback as Callback
-from ._options import Linear, Method, Setting, called, core_options
-from ._options import LinearSolver as LinearSolver
-from ._options import keep as keep
+from ._options import Callback, Linear, LinearSolver, Method, Setting, called, core_options, keep
 from ._result import Result
+from ._stepper import Stepper
 from ._words import counted, reason_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._condensed import CondensedProblem
-    from ._judge import Posed
     from ._options import IncrementOptions, Several, SolveOptions
-    from ._stepper import Stepper
-    from .siconos import GlobalFriction
 
 
 class ContactProblem(Matrices):
@@ -215,7 +209,7 @@ class ContactProblem(Matrices):
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
         raw = problem._core.run(tables, words, algebra, kept, callback, single)
-        return Result._of(raw, self, reason=reason_of(raw), linear=algebra, stacklevel=4)
+        return Result._of(raw, self, reason=reason_of(raw), linear=algebra)._told()
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
@@ -333,8 +327,6 @@ class ContactProblem(Matrices):
         >>> [float(stepper.step([x, -100.0]).p_t[0, 0, 0]) for x in (0.0, 40.0, 0.0)]
         [0.0, 30.0, -10.0]
         """
-        from ._stepper import Stepper
-
         options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
@@ -369,39 +361,108 @@ class ContactProblem(Matrices):
         >>> bool(np.allclose(small.lift(result.u[0], force), problem.solve(force).u[0]))
         True
         """
-        from ._condensed import CondensedProblem
-
         return CondensedProblem._condensed(self)
 
-    def residual(
-        self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
-    ) -> Array:
-        """H(z) of the natural map, (n_u + n_c (1 + d),): zero exactly at a solution; see `stickslip.newton.Natural.residual`."""
-        from .newton import Natural
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).residual(u, p_n, p_t)
+class CondensedProblem(ContactProblem):
+    """The problem in the contact displacements u_c of a body; made by `ContactProblem.condense`.
 
-    def jacobian(
-        self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
-    ) -> Any:
-        """A generalised Jacobian of `residual`, csc_array: the linear piece that holds at z; see `stickslip.newton.Natural.jacobian`."""
-        from .newton import Natural
+    S u_c + C_n' p_n + C_t' p_t = f_s, where S = K_cc - K_cr K_rr^-1 K_rc and f_s = f_c - K_cr K_rr^-1 f_r;
+    c are the contact displacements, r the others. It is solved as any problem, with forces f_s that `reduce` computes; `lift` gives all displacements back.
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).jacobian(u, p_n, p_t)
+    Attributes
+    ----------
+    whole : ContactProblem
+        The problem that was condensed.
+
+    Notes
+    -----
+    ``strain_energy`` of its records is u_c' S u_c / 2, that of the condensed body. Forces off the contact nodes add
+    f_r' K_rr^-1 f_r / 2 in the whole body: the whole is ``u @ small.whole.K @ u / 2`` of the u that `lift` gives.
+
+    It pickles as the whole problem, and is condensed anew where it arrives.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> K = np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> small = ss.ContactProblem(K, [[0, -1, 0]], [[0, 0, 1]], mu=0.3).condense()
+    >>> small
+    <CondensedProblem 2 displacements, 1 contact node, 1 tangent>
+    >>> small.reduce([-1.0, 0.0, 1.0])
+    array([-0.5,  1. ])
+    """
+
+    # Its K is dense, and its contact displacements are all that it has.
+    _linear: Linear | None = "condensed"
+
+    whole: ContactProblem
+    _body: _core.CondensedBody
+
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a CondensedProblem is made by `ContactProblem(K, C_n, C_t, ...).condense()`")
 
     @classmethod
-    def from_siconos(cls, M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
-        """An increment, of the global problem of Siconos; see `stickslip.siconos.from_siconos`."""
-        from . import siconos
+    def _condensed(cls, whole: ContactProblem) -> CondensedProblem:
+        self = cls.__new__(cls)
+        self._core, self._body = whole._core.condense()
+        self.tangents, self.whole = whole.tangents, whole
+        return self
 
-        return siconos.from_siconos(M, H, q, b, mu)
+    def reduce(self, force: ArrayLike) -> Array:
+        """Forces on the whole body as forces on the contact displacements.
 
-    def to_siconos(
-        self, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, mu: ArrayLike | None = None
-    ) -> GlobalFriction:
-        """One increment as the global problem of Siconos; see `stickslip.siconos.to_siconos`."""
-        from . import siconos
+        Parameters
+        ----------
+        force : (n_u,) or (m, n_u)
+            Nodal forces on the whole body, N.
 
-        return siconos.to_siconos(self, force, gap, w_t_last, mu)
+        Returns
+        -------
+        (self.n_u,) or (m, self.n_u) array
+            N; as `solve` of this problem takes them.
+        """
+        rows, shape = self._rows("force", force, self.whole.n_u)
+        return self._body.reduce(rows).reshape(*shape, self.n_u)
+
+    def lift(self, u: ArrayLike, force: ArrayLike) -> Array:
+        """All displacements of the body.
+
+        Parameters
+        ----------
+        u : (self.n_u,) or (m, self.n_u)
+            Displacements of this problem, m.
+        force : (n_u,) or (m, n_u)
+            The forces on the whole body that belong to them, N, before `reduce`.
+
+        Returns
+        -------
+        (n_u,) or (m, n_u) array
+            Free displacements of the whole body, m.
+        """
+        rows, shape = self._rows("u", u, self.n_u)
+        forces, of_force = self._rows("force", force, self.whole.n_u)
+        if shape != of_force:
+            raise ValueError(f"force has {counted(len(forces), 'row')}, but u has {len(rows)}; solve_many keeps the last u only without keep_u=\"all\"")
+        return self._body.lift(rows, forces).reshape(*shape, self.whole.n_u)
+
+    @staticmethod
+    def _rows(name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
+        array = finite(name, values)
+        if array.ndim not in (1, 2) or array.shape[-1] != width:
+            raise ValueError(f"{name} has the shape {array.shape}, expected (..., {width})")
+        return np.ascontiguousarray(np.atleast_2d(array)), array.shape[:-1]
+
+    def with_(
+        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None,
+    ) -> CondensedProblem:
+        """As `ContactProblem.with_`, for friction and weights; other maps have other contact displacements."""
+        if C_n is not None or C_t is not None:
+            raise ValueError("C_n and C_t decide to what a body is condensed: problem.with_(C_n=..., C_t=...).condense()")
+        other = CondensedProblem.__new__(CondensedProblem)
+        other._core, other._body = super().with_(mu=mu, weight=weight)._core, self._body
+        other.tangents, other.whole = self.tangents, self.whole.with_(mu=mu, weight=weight)
+        return other
+
+    def __reduce__(self) -> Any:
+        return CondensedProblem._condensed, (self.whole,)

@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal, Union
@@ -16,12 +15,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
-from ._arrays import read_only
-from ._kinds import DIMENSION
-from ._errors import SceneError
+from ._arrays import read_only, vector
+from ._errors import SceneError, warn
 from ._files import scene_text
-from ._options import called, linear_of, share, whole
-from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
+from ._kinds import DIMENSION
+from ._options import Callback, LinearSolver, called, keep, linear_of, path_of, share, whole
+from ._problem import ContactProblem
 from ._result import Result
 from ._toml import to_toml, toml_value
 from ._words import counted
@@ -287,7 +286,7 @@ class Model:
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
         uniqueness: bool = False, increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
-        checkpoint_every: float | None = None, _stacklevel: int = 3,
+        checkpoint_every: float | None = None, _tells: bool = True,
     ) -> Result:
         """Solves the history as the scene says.
 
@@ -385,9 +384,11 @@ class Model:
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
+        result = Result._of(raw, model.problem, model, linear=algebra)
+        if _tells:
+            result._told()
         if raw["unsaved"]:
-            warnings.warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning, stacklevel=_stacklevel - 1)
+            warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning)
         if checkpoint is not None and result.converged:
             with contextlib.suppress(FileNotFoundError):
                 os.remove(checkpoint)
@@ -446,5 +447,58 @@ def run(
     return Model(scene, overrides, mesh=mesh).run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
         increments=increments, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
-        checkpoint_every=checkpoint_every, _stacklevel=4,
+        checkpoint_every=checkpoint_every,
+    )
+
+
+def load(path: str | os.PathLike[str]) -> Result:
+    """Reads a file of `Result.save`; the model is made again of the scene, its mesh and its files as they were then.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The npz file.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it was not written by `Result.save`.
+
+    Examples
+    --------
+    >>> import os, tempfile
+    >>> import stickslip as ss
+    >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     result.save(os.path.join(folder, "block.npz"))
+    ...     again = ss.load(os.path.join(folder, "block.npz"))
+    >>> bool((again.p_n == result.p_n).all())
+    True
+    """
+    path = path_of(path)
+    refused = f"path: {path} was not written by Result.save"
+    with open(path, "rb") as opened:
+        try:
+            with np.load(opened, allow_pickle=False) as file:
+                words = json.loads(str(file["words"]))
+                arrays = {name: file[name] for name in file.files if name != "words"}
+        except MemoryError:
+            raise
+        except Exception as error:
+            # A damaged file is found by numpy, zipfile or a decompressor, each with exceptions of its own.
+            raise ValueError(f"{refused}, or is damaged: {error}") from None
+    if not isinstance(words, dict) or "model" not in words or "iterations" not in arrays:
+        raise ValueError(refused)
+    arrays["iterations"] = arrays["iterations"].view(np.recarray)
+    of_model = {name: arrays.pop(name) for name in list(arrays) if name.startswith("model.")}
+    model = Model._loaded(words["model"], of_model) if words["model"] else None
+    return Result(
+        status=words["status"], reason=words["reason"], records=words["records"], report=words["report"],
+        kept=tuple(words["kept"]), model=model, **arrays,
     )

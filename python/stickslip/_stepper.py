@@ -172,7 +172,7 @@ class Stepper:
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
-        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear)._told()
 
     def save(self) -> StepperState:
         """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.

@@ -6,15 +6,14 @@ import itertools
 import os
 import re
 import threading
-import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, Union, overload
 
-from ._errors import NotConverged
+from ._errors import warn
 from ._linear import Checked
 from ._options import linear_of
-from ._result import Result
+from ._result import NotConverged, Result
 from ._scene import KeepU, Linear, Model, SceneLike
 from ._words import counted, few
 
@@ -81,15 +80,15 @@ class Sweep(Sequence[Result]):
         """Itself, if all converged; raises `NotConverged` with the values and the result of the first that did not."""
         for k, result in enumerate(self):
             if not result.converged:
-                raise NotConverged(f"{self._name(k)}: {result._verdict()}", result)
+                raise NotConverged(f"{self._name(k)}: {result.message}", result)
         return self
 
     def _name(self, k: int) -> str:
         """The values of a run, such as "contact.friction=0.5"."""
         return ", ".join(f"{key}={value}" for key, value in self.values[k].items()) or "no value changed"
 
-    def _warn(self, stacklevel: int) -> None:
-        """Tells Python's warnings of what was found, each kind once."""
+    def _told(self) -> Sweep:
+        """Itself, once Python's warnings tell what was found, each kind once."""
         found: dict[tuple[type[UserWarning], str], dict[int, list[str]]] = {}
         for k, result in enumerate(self):
             for category, kind, message in result._found():
@@ -99,7 +98,8 @@ class Sweep(Sequence[Result]):
             head = f"{kind}: in {of}" if kind else f"{of} did not converge"
             first, *others = runs.values()
             link = ": " if all(messages == first for messages in others) else "; the first: "
-            warnings.warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category, stacklevel=stacklevel)
+            warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category)
+        return self
 
     def __repr__(self) -> str:
         failed = sum(not result.converged for result in self)
@@ -254,7 +254,7 @@ def sweep(
 
     def one(model: Model) -> Result:
         watch()
-        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _stacklevel=0)
+        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _tells=False)
 
     with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
         runs = [threads.submit(one, model) for model in models]
@@ -266,7 +266,4 @@ def sweep(
     raised = [error for run in runs if (error := run.exception()) is not None and not isinstance(error, Stopped)]
     if raised:
         raise raised[0]
-    results = [run.result() for run in runs]
-    done = Sweep(values, results)
-    done._warn(3)
-    return done
+    return Sweep(values, [run.result() for run in runs])._told()

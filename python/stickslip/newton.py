@@ -11,16 +11,15 @@ For every r > 0 the zeros are the solutions of the increment. Unknowns p_t stand
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from ._arrays import Array, forces_of, tangential, vector
+from ._problem import ContactProblem
 
-if TYPE_CHECKING:
-    from ._problem import ContactProblem
 
 class Natural:
     """The natural map of one increment.

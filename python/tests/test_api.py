@@ -27,12 +27,12 @@ def objects() -> dict[str, Any]:
     problem = small()
     result = problem.solve(HISTORY["force"])
     errors = ss.errors(problem, [40.0, -100.0], result.u[1], result.p_n[1], result.p_t[1])
-    posed = ss.siconos.from_siconos(*problem.to_siconos([40.0, -100.0])[1:])
+    posed = ss.siconos.from_siconos(*ss.siconos.to_siconos(problem, [40.0, -100.0])[1:])
     table = ss.compare(problem, {"Newton": "bn"}, history=HISTORY)
     return {
         "problem": problem, "condensed": problem.condense(), "result": result, "errors": errors, "posed": posed, "table": table,
         "verdict": table["Newton"], "results": problem.solve_many([40.0, -100.0], mus=[0.1, 0.2]), "natural": Natural(problem, [40.0, -100.0]),
-        "siconos": problem.to_siconos([40.0, -100.0]),
+        "siconos": ss.siconos.to_siconos(problem, [40.0, -100.0]),
     }
 
 
@@ -87,7 +87,7 @@ def test_arguments_of_another_shape_are_named() -> None:
     p = small()
     for name, call in {
         "w_t_last": lambda: p.solve_increment([1.0, 1.0], w_t_last=[1.0, 2.0]), "u": lambda: p.slip([1.0]),
-        "p_t": lambda: p.residual([0.0, 0.0], [0.0], [1.0, 2.0], force=[0.0, 0.0]), "r": lambda: Natural(p, [0.0, 0.0], r=0.0),
+        "p_t": lambda: Natural(p, [0.0, 0.0]).residual([0.0, 0.0], [0.0], [1.0, 2.0]), "r": lambda: Natural(p, [0.0, 0.0], r=0.0),
         "drift": lambda: p.stepper().step([1.0, 1.0], drift=[1.0, 2.0]), "C_n": lambda: p.with_(C_n=[[1.0]]),
     }.items():
         with pytest.raises(ValueError, match=f"^{name} "):

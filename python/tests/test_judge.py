@@ -11,6 +11,7 @@ import scipy.sparse as sp
 import stickslip as ss
 from scenes import SCENES, block, needs
 from stickslip import siconos
+from stickslip.newton import Natural
 
 
 def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
@@ -130,8 +131,8 @@ def test_friction_that_changes_on_given_matrices(method: str) -> None:
         one = p.solve_increment(force, gap=h["gap"][k + 1], w_t_last=w, mu=h["mu"][k], method=method).check()
         np.testing.assert_allclose(one.p_t[0], result.p_t[k], rtol=0, atol=1e-8 * result.p_n.max())
         state, w = (one.u[0], one.p_n[0], one.p_t[0]), p.slip(one.u[0])
-        data = {"force": force, "gap": h["gap"][k + 1], "w_t_last": one.w_t_last[0], "mu": h["mu"][k]}
-        assert abs(p.residual(*state, **data)).max() < 1e-7 * result.p_n.max()
+        natural = Natural(p, force, gap=h["gap"][k + 1], w_t_last=one.w_t_last[0], mu=h["mu"][k])
+        assert abs(natural.residual(*state)).max() < 1e-7 * result.p_n.max()
     assert (siconos.to_siconos(p, h["force"][-1], mu=h["mu"][-1]).mu == h["mu"][-1]).all()
 
 

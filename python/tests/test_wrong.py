@@ -131,7 +131,7 @@ NAMES = ("K", "stiffness", "C_n", "C_t", "mu", "weight", "force", "gap", "times"
 def test_paths(path: object) -> None:
     result = ss.run(block(n=2, increments=1))
     for call in (
-        result.save, ss.Result.load, result.write_vtu, result.write_fclib, ss.Svg("x").save, ss.Scene.from_file, ss.exchange.read, ss.exchange.solve,
+        result.save, ss.load, result.write_vtu, result.write_fclib, ss.Svg("x").save, ss.Scene.from_file, ss.exchange.read, ss.exchange.solve,
     ):
         with pytest.raises(TypeError, match=f"^path: a str or os.PathLike expected, {type(path).__name__} found"):
             call(path)  # type: ignore[arg-type]
@@ -141,8 +141,8 @@ TWO = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
 
 
 @pytest.mark.parametrize("call", [
-    lambda: TWO.stepper().step(-5), lambda: TWO.solve_increment(-5), lambda: ss.errors(TWO, 5, [0.0, 0.0], [0.0]), lambda: TWO.to_siconos(-5),
-    lambda: TWO.residual([0.0, 0.0], [0.0], force=-5),
+    lambda: TWO.stepper().step(-5), lambda: TWO.solve_increment(-5), lambda: ss.errors(TWO, 5, [0.0, 0.0], [0.0]), lambda: ss.siconos.to_siconos(TWO, -5),
+    lambda: ss.newton.Natural(TWO, -5),
 ])
 def test_a_number_is_no_force_of_several_displacements(call: Callable[[], object]) -> None:
     with pytest.raises(ValueError, match=r"^force is a number, expected the shape \(2,\)"):

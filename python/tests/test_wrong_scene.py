@@ -184,7 +184,7 @@ def test_wrong_input_is_one_clear_error(number: int, tmp_path: Path, monkeypatch
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("call", [ss.run, ss.Model, ss.Scene.from_file, ss.Result.load])
+@pytest.mark.parametrize("call", [ss.run, ss.Model, ss.Scene.from_file, ss.load])
 def test_a_file_that_is_not_there(call: Callable[..., object]) -> None:
     with pytest.raises(FileNotFoundError, match="nowhere"):
         call("nowhere.toml")
@@ -196,7 +196,7 @@ def test_a_file_that_is_no_result(tmp_path: Path) -> None:
     np.savez(tmp_path / "c.npz", words=np.array("[]"))
     for name in "abc":
         with pytest.raises(ValueError, match="path: .* was not written by Result.save"):
-            ss.Result.load(tmp_path / f"{name}.npz")
+            ss.load(tmp_path / f"{name}.npz")
 
 
 @pytest.mark.parametrize("name, options", [
@@ -228,9 +228,9 @@ def test_a_damaged_result_is_a_value_error(tmp_path: Path) -> None:
         damaged[random.integers(len(whole))] ^= 1 << random.integers(8)
         path.write_bytes(damaged.tobytes())
         with contextlib.suppress(ValueError):
-            ss.Result.load(path)
+            ss.load(path)
     with pytest.raises(FileNotFoundError):
-        ss.Result.load(tmp_path / "none.npz")
+        ss.load(tmp_path / "none.npz")
 
 
 @pytest.mark.parametrize("path", ["", ".", "folder/", ".."])
