@@ -15,10 +15,10 @@ if TYPE_CHECKING:
 
 def tables(
     problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, gap: ArrayLike, drift: ArrayLike | None,
-    mu: ArrayLike | None, times: ArrayLike | None, names: tuple[str, str, str] = ("force", "gap", "mu"),
+    mu: ArrayLike | None, t: ArrayLike | None, names: tuple[str, str, str] = ("force", "gap", "mu"),
 ) -> tuple[ContactProblem, dict[str, Any]]:
     """The problem with the friction of this history, and the history; `names` are those of force, gap and mu in errors."""
-    return posed(problem, forces(problem, force, factors, names[0]), gap, drift, mu, times, names[1:])
+    return posed(problem, forces(problem, force, factors, names[0]), gap, drift, mu, t, names[1:])
 
 
 def forces(problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, name: str = "force") -> tuple[Array, Array]:
@@ -37,13 +37,13 @@ def forces(problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None,
 
 def posed(
     problem: ContactProblem, loads: tuple[Array, Array], gap: ArrayLike, drift: ArrayLike | None, mu: ArrayLike | None,
-    times: ArrayLike | None, names: tuple[str, str] = ("gap", "mu"),
+    t: ArrayLike | None, names: tuple[str, str] = ("gap", "mu"),
 ) -> tuple[ContactProblem, dict[str, Any]]:
     """`tables` of loads that are checked already."""
     m, n_c, d = len(loads[1]), problem.n_c, problem.tangents
-    ends = np.arange(1.0, m + 1) / m if times is None else vector("times", times, m)
+    ends = np.arange(1.0, m + 1) / m if t is None else vector("t", t, m)
     if ends[0] <= 0 or (np.diff(ends) <= 0).any():
-        raise ValueError("times must increase from above 0")
+        raise ValueError("t must increase from above 0")
     gaps = finite(names[0], gap)
     if gaps.shape not in ((), (n_c,), (m + 1, n_c)):
         raise ValueError(f"{names[0]} has the shape {gaps.shape}, expected {rows_or_row((m + 1, n_c))}")

@@ -83,7 +83,7 @@ class IncrementOptions(SolveOptions, total=False):
     """The keywords of `ContactProblem.solve_increment` that are not the increment."""
 
     mu: ArrayLike | None
-    keep_u: str | bool | Sequence[int]
+    keep_u: str | Sequence[int]
     callback: Callback | None
 
 
@@ -150,6 +150,17 @@ def whole(name: str, value: Any, expected: str = "a whole number of 1 or more", 
     return int(value)
 
 
+def processors(workers: Any) -> int:
+    """So many threads; as many as there are processors for None."""
+    if workers is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if isinstance(workers, bool) or not isinstance(workers, numbers.Integral):
+        raise TypeError(f"workers is {workers!r}, expected a whole number")
+    if not 1 <= (threads := int(workers)) < 2**16:
+        raise ValueError(f"workers is {workers}, but must be 1 or more, and below 65536")
+    return threads
+
+
 def share(name: str, value: Any, expected: str) -> float:
     """A number between 0 and 1."""
     if not _real(value) or not 0 < value < 1:
@@ -157,10 +168,10 @@ def share(name: str, value: Any, expected: str) -> float:
     return float(value)
 
 
-def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
+def keep(keep_u: str | Sequence[int], increments: int) -> bool | list[int]:
     """`keep_u` as the core takes it: numbers from 1, 0 for the last."""
     if isinstance(keep_u, (bool, np.bool_)):
-        return bool(keep_u)
+        raise TypeError(f"keep_u is {keep_u}, expected {'all' if keep_u else 'none'!r}")
     if isinstance(keep_u, str):
         words: dict[str, bool | list[int]] = {"all": True, "none": False, "last": [0]}
         if keep_u not in words:

@@ -137,9 +137,9 @@ class ContactProblem(Matrices):
 
     def solve(
         self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
-        mu: ArrayLike | None = None, times: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
+        mu: ArrayLike | None = None, t: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
         linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int | None = 200,
-        r_factor: float | None = 1.0, keep_u: str | bool | Sequence[int] = "all", callback: Callback | None = None,
+        r_factor: float | None = 1.0, keep_u: str | Sequence[int] = "all", callback: Callback | None = None,
     ) -> Result:
         """Solves a history that begins unloaded.
 
@@ -155,7 +155,7 @@ class ContactProblem(Matrices):
             How far the obstacle has moved past each node at the ends, m.
         mu : float, (n_c,) or (m, n_c), optional
             Friction coefficients in place of the problem's; of each increment where they change.
-        times : (m,), optional
+        t : (m,), optional
             Ends of the increments, s, increasing from above 0; equal parts of 1 s without them (a `Stepper` takes 1 s for each).
         method : "bn", "ip" or "events"
             Newton's method, the interior point method, or the exact path in the plane; "bn" without it. If rows of
@@ -193,12 +193,12 @@ class ContactProblem(Matrices):
         array([15., 20.])
         """
         return self._solve(
-            _history.tables(self, force, factors, gap, drift, mu, times), single=False, keep_u=keep_u, callback=callback,
+            _history.tables(self, force, factors, gap, drift, mu, t), single=False, keep_u=keep_u, callback=callback,
             method=method, setting=setting, linear=linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
 
     def _solve(
-        self, history: tuple[ContactProblem, dict[str, Any]], *, single: bool, keep_u: str | bool | Sequence[int] = "all",
+        self, history: tuple[ContactProblem, dict[str, Any]], *, single: bool, keep_u: str | Sequence[int] = "all",
         callback: Callback | None = None, linear: Linear | LinearSolver | None = None, **options: Any,
     ) -> Result:
         problem, tables = history
@@ -250,8 +250,8 @@ class ContactProblem(Matrices):
     def solve_many(
         self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, forces: Several | None = None,
         gaps: Several | None = None, mus: Several | None = None, gap: ArrayLike = 0.0,
-        drift: ArrayLike | None = None, times: ArrayLike | None = None, keep_u: str | bool | Sequence[int] = "last",
-        threads: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
+        drift: ArrayLike | None = None, t: ArrayLike | None = None, keep_u: str | Sequence[int] = "last",
+        workers: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
     ) -> _many.Results:
         """Solves many histories of this body side by side: parameter studies, random fields, fits.
 
@@ -263,11 +263,11 @@ class ContactProblem(Matrices):
         ----------
         forces, gaps, mus : sequences of N, optional
             What differs: the `force`, `gap` and `mu` of each history, each as `solve` takes it; of a table or an array a row for each.
-        force, factors, gap, drift, times
+        force, factors, gap, drift, t
             What is the same for all, as `solve` takes it.
         keep_u : "last", "all", "none" or list of int
             Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
-        threads : int, optional
+        workers : int, optional
             So many histories at a time; as many as there are processors without it.
         progress : bool
             Whether tqdm shows a bar.
@@ -295,7 +295,7 @@ class ContactProblem(Matrices):
         array([10., 20., 30.])
         """
         return _many.solve(
-            self, (force, factors, gap, drift, times), {"forces": forces, "gaps": gaps, "mus": mus}, keep_u, threads, progress,
+            self, (force, factors, gap, drift, t), {"forces": forces, "gaps": gaps, "mus": mus}, keep_u, workers, progress,
             dict(options),
         )
 

@@ -162,11 +162,6 @@ class Result(Fields):
         return self.status == "converged"
 
     @property
-    def success(self) -> bool:
-        """As `converged`, under the name that results of scipy have."""
-        return self.converged
-
-    @property
     def message(self) -> str:
         """The verdict in words: the status, and where it is not "converged" the increment, the law and the reason."""
         if self.converged:

@@ -35,7 +35,7 @@ SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any], Scene]
 Linear = Union[Literal["auto", "faer", "partial", "condensed", "umfpack"], LinearSolver, None]
 
 #: Of which increments displacements are kept.
-KeepU = Union[Literal["all", "last", "none"], bool, Sequence[int]]
+KeepU = Union[Literal["all", "last", "none"], Sequence[int]]
 
 
 def _read(scene: SceneLike) -> tuple[str, str, dict[str, bytes]]:
@@ -98,7 +98,7 @@ class Model:
         The scene's title.
     dimension : int
         2 or 3.
-    times : ndarray, shape (m,)
+    t : ndarray, shape (m,)
         Ends of the increments, s.
     problem : ContactProblem
         K, C_n, C_t, mu and weights.
@@ -151,7 +151,7 @@ class Model:
             raise error._in_python(self._has_text) from None
         self.title: str = core.title
         self.dimension: int = core.dimension
-        self.times: Array = read_only(np.array(core.times))
+        self.t: Array = read_only(np.array(core.times))
         self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
         self.points: Array = read_only(core.points())
         contacts = core.contacts()
@@ -193,7 +193,7 @@ class Model:
         return _restore(words["name"], words["text"], {}, given, files)
 
     def __repr__(self) -> str:
-        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.times), 'increment')}, {self.problem!r}>"
+        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.t), 'increment')}, {self.problem!r}>"
 
     @property
     def history(self) -> dict[str, Array]:
@@ -216,7 +216,7 @@ class Model:
         """
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
-        force = raw["factors"].reshape(len(self.times), -1) @ raw["cases"]
+        force = raw["factors"].reshape(len(self.t), -1) @ raw["cases"]
         history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
         return {name: read_only(table) for name, table in history.items()}
 
@@ -259,34 +259,40 @@ class Model:
 
     def _time(self, t: float | None) -> float:
         if t is None:
-            return float(self.times[-1])
+            return float(self.t[-1])
         if not np.isfinite(t):
             raise ValueError(f"t: {t} found, expected a time in s")
         return float(t)
 
-    def with_increments(self, increments: int) -> Model:
-        """The same scene with other increments.
+    def with_(self, overrides: Mapping[str, Any]) -> Model:
+        """The same scene with other values, discretised anew.
 
         Parameters
         ----------
-        increments : int
-            So many equal increments.
+        overrides : Mapping
+            As those of `Model`, over those that the model has.
 
         Returns
         -------
         Model
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+        >>> len(model.t), len(model.with_({"time.increments": 40}).t)
+        (20, 40)
         """
-        increments = whole("increments", increments, "a whole number of 1 or more; stickslip.converge refines increments until a quantity is known")
-        name, text, overrides, given = self._arguments
+        name, text, before, given = self._arguments
         model = Model.__new__(Model)
         model._has_text = self._has_text
-        model._make(name, text, {**overrides, "time.increments": str(increments)}, given, self._files())
+        model._make(name, text, {**before, **_words(overrides, given is not None)}, given, self._files())
         return model
 
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
-        uniqueness: bool = False, increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
-        checkpoint_every: float | None = None, _tells: bool = True,
+        uniqueness: bool = False, max_iterations: int | None = None, tolerance: float | None = None,
+        checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None, _tells: bool = True,
     ) -> Result:
         """Solves the history as the scene says.
 
@@ -303,8 +309,6 @@ class Model:
             A bar by tqdm.
         uniqueness : bool, optional
             Whether ``report["critical_friction"]`` is wanted.
-        increments : int, optional
-            Other increments than the scene's, see `with_increments`; ``result.model`` has them.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
         checkpoint : str or os.PathLike, optional
@@ -353,13 +357,12 @@ class Model:
         if checkpoint is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
         algebra = linear_of(linear)
-        model = self if increments is None else self.with_increments(increments)
         bar: Any = None
         told: Callback | None = callback
         if progress:
             from tqdm.auto import tqdm
 
-            bar = tqdm(total=len(model.times), unit="increment")
+            bar = tqdm(total=len(self.t), unit="increment")
 
             def counted(index: int, time: float, status: str, iterations: int, error: float) -> None:
                 # A run that goes on begins with the increments that are there.
@@ -375,8 +378,8 @@ class Model:
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:
-            kept = keep(keep_u, len(model.times))
-            raw = model._core.run(algebra, kept, told, options)
+            kept = keep(keep_u, len(self.t))
+            raw = self._core.run(algebra, kept, told, options)
         except KeyboardInterrupt as error:
             if checkpoint is not None and os.path.exists(checkpoint) and hasattr(error, "add_note"):
                 error.add_note(f"The run is saved in {os.fspath(checkpoint)}: run it again with this checkpoint, and it goes on.")
@@ -384,7 +387,7 @@ class Model:
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.problem, model, linear=algebra)
+        result = Result._of(raw, self.problem, self, linear=algebra)
         if _tells:
             result._told()
         if raw["unsaved"]:
@@ -415,7 +418,8 @@ def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given
 def run(
     scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
     callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
-    increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None,
+    max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint_every: float | None = None,
 ) -> Result:
     """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
@@ -423,7 +427,7 @@ def run(
     ----------
     scene, overrides, mesh
         See `Model`.
-    linear, keep_u, callback, progress, uniqueness, increments, max_iterations, tolerance, checkpoint, checkpoint_every
+    linear, keep_u, callback, progress, uniqueness, max_iterations, tolerance, checkpoint, checkpoint_every
         See `Model.run`.
 
     Returns
@@ -446,8 +450,7 @@ def run(
     """
     return Model(scene, overrides, mesh=mesh).run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
-        increments=increments, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
-        checkpoint_every=checkpoint_every,
+        max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint, checkpoint_every=checkpoint_every,
     )
 
 

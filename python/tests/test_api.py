@@ -26,7 +26,7 @@ def small() -> ss.ContactProblem:
 def objects() -> dict[str, Any]:
     problem = small()
     result = problem.solve(HISTORY["force"])
-    errors = ss.errors(problem, [40.0, -100.0], result.u[1], result.p_n[1], result.p_t[1])
+    errors = ss.measure(problem, [40.0, -100.0], result.u[1], result.p_n[1], result.p_t[1])
     posed = ss.siconos.from_siconos(*ss.siconos.to_siconos(problem, [40.0, -100.0])[1:])
     table = ss.compare(problem, {"Newton": "bn"}, history=HISTORY)
     return {
@@ -46,10 +46,10 @@ def test_reprs_are_short_and_all_but_live_objects_pickle(name: str) -> None:
 
 def test_results_have_the_names_of_scipy() -> None:
     result = small().solve(HISTORY["force"])
-    assert result.success is True and result.message == "converged" and result.nit == sum(r["iterations"] for r in result.records) > 0
+    assert result.converged is True and result.message == "converged" and result.nit == sum(r["iterations"] for r in result.records) > 0
     with pytest.warns(ss.NotConvergedWarning):
         failed = ss.Model(block(6)).problem.solve(ss.Model(block(6)).history["force"], gap=1e-5, max_iterations=1, setting="paper")
-    assert failed.success is False and failed.message.startswith("max-iterations in increment")
+    assert failed.converged is False and failed.message.startswith("max-iterations in increment")
 
 
 def test_words_are_those_of_the_core() -> None:
