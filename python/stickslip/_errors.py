@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import sys
-import warnings
 from typing import Any
 
 #: What the program says, and what this module says in its place.
@@ -118,17 +115,3 @@ class NotConvergedWarning(UserWarning):
 
 class AccuracyWarning(UserWarning):
     """A doubt about the answer of a scene although every law holds; `Result.warnings` has all of them."""
-
-
-def warn(message: str, category: type[Warning]) -> None:
-    """Warns at the line outside this package that led here.
-
-    Parameters
-    ----------
-    message, category : str, type
-        As `warnings.warn` takes them.
-    """
-    here, frame, level = os.path.dirname(__file__) + os.sep, sys._getframe(1), 2
-    while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
-        frame, level = frame.f_back, level + 1
-    warnings.warn(message, category, stacklevel=level)

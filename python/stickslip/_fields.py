@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import operator
 import os
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,26 +74,28 @@ _SUBSTITUTES = {
 }
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Fields:
-    """The part of `Result` that needs its model."""
+    """The arrays of a `Result`, and what needs its model."""
 
-    if TYPE_CHECKING:
-        status: str
-        t: Array
-        p_n: Array
-        p_t: Array
-        contact: Array
-        gap: Array
-        mu: Array
-        w_t_last: Array
-        errors: Array
-        kept: tuple[int, ...]
-        u: Array
-        u_rest: Array
-        force: Array
-        records: list[dict[str, Any]]
-        report: dict[str, Any]
-        model: _Body | None
+    status: str
+    reason: str
+    t: Array
+    p_n: Array
+    p_t: Array
+    contact: Array
+    gap: Array
+    mu: Array
+    w_t_last: Array
+    errors: Array
+    kept: tuple[int, ...]
+    u: Array
+    u_rest: Array
+    force: Array
+    records: list[dict[str, Any]]
+    iterations: Array
+    report: dict[str, Any]
+    model: _Body | None
 
     def _model(self, wanted: str = "") -> _Body:
         """The model, for what is `wanted`."""

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import finite, forces_of, not_masked, numbers, tangential, vector
 from ._errors import NotConvergedWarning
-from ._history import changing
+from ._history import changing, motion, times
 from ._kinds import LAWS
 from ._problem import ContactProblem
 from ._result import Result
@@ -269,27 +269,25 @@ def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | No
         raise TypeError(f"history: a dictionary expected, such as that of Model.history, {type(history).__name__} found")
     if history is None:
         if not isinstance(of, Model):
-            raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu")
+            raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu, t")
         return of.history
     problem = of.problem if isinstance(of, Model) else of
-    unknown = set(history) - {"force", "gap", "drift", "mu", "cases", "factors"}
-    if unknown or "force" not in history:
-        raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu")
+    if not {"force"} <= set(history) <= {"force", "gap", "drift", "mu", "t"}:
+        raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu, t")
     force = np.atleast_2d(finite("history['force']", history["force"]))
     if force.ndim != 2 or force.shape[1] != problem.n_u:
         raise ValueError(f"history['force'] has the shape {np.shape(history['force'])}, expected {(len(force), problem.n_u)}")
     if not len(force):
         raise ValueError("history['force'] has no increments")
     m, n_c, d = len(force), problem.n_c, problem.tangents
-    drift = finite("history['drift']", history.get("drift", 0.0))
-    if drift.shape == (m, n_c):
-        drift = drift.reshape(m, n_c, 1)
     tables = {
         "force": force,
         "gap": numbers("history['gap'], which begins before the first increment,", history.get("gap", 0.0), (m + 1, n_c)),
-        "drift": numbers("history['drift']", drift, (m, n_c, d)),
+        "drift": motion("history['drift']", history.get("drift", 0.0), (m, n_c, d)),
         "mu": numbers("history['mu']", history.get("mu", problem.mu), (m, n_c)),
     }
+    if "t" in history:
+        tables["t"] = times("history['t']", history["t"], m)
     changing(problem, tables["mu"], "history['mu']")
     # Copies: a solver may write into the arrays that the history was made of.
     return {name: table.copy() for name, table in tables.items()}
@@ -305,22 +303,13 @@ class _NotApplicable(ValueError):
 
 def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
     """A history by this module."""
-    times: Array | None = None
-    if isinstance(of, Model):
-        if history is None and word == "stickslip":
-            return _applicable(of.run())
-        times = of.t if len(of.t) == len(data["force"]) else None
-        of = of.problem
-    if word == "events" and (data["mu"] != data["mu"][0]).any():
+    if history is None and word == "stickslip" and isinstance(of, Model):
+        result = of.run()
+    elif word == "events" and (data["mu"] != data["mu"][0]).any():
         raise _NotApplicable("mu: friction that changes is solved by the methods bn and ip")
-    result = of.solve(
-        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"], t=times,
-        method=cast("Method", "bn" if word == "stickslip" else word),
-    )
-    return _applicable(result)
-
-
-def _applicable(result: Result) -> Result:
+    else:
+        problem, method = of.problem if isinstance(of, Model) else of, cast("Method", "bn" if word == "stickslip" else word)
+        result = problem.solve(data["force"], gap=data["gap"], drift=data["drift"], mu=data["mu"], t=data.get("t"), method=method)
     if result.status == "unsupported":
         raise _NotApplicable(result.reason)
     return result
@@ -376,8 +365,8 @@ def judge(
         Called with a `Posed` increment; hands back (u, p_n, p_t). Or a word: "bn", "ip" and "events" are stickslip's on the
         matrices, "stickslip" the run of the model as its scene says.
     history : mapping, optional
-        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c). The `Model.history` of a
-        model is one; its ``cases`` and ``factors`` are ignored.
+        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c), t (m,), s. The `Model.history`
+        of a model is one.
     name : str, optional
         Of the solver; the word, or "solver", without it.
     tolerance : float

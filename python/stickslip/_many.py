@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _history
-from ._errors import NotConvergedWarning, warn
+from ._errors import NotConvergedWarning
 from ._kinds import LAWS
 from ._linear import Checked
-from ._options import core_options, keep, processors
+from ._options import called, core_options, keep, processors
 from ._result import NotConverged, Result
-from ._words import counted, few, reason_of
+from ._words import counted, few, reason_of, warn
 
 if TYPE_CHECKING:
     from typing_extensions import Self
@@ -170,9 +170,9 @@ def _histories(
 
 
 def solve(
-    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None],
+    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None], reduce: Callable[[Result], Any] | None,
     keep_u: str | Sequence[int], workers: int | None, progress: bool, options: dict[str, Any],
-) -> Results:
+) -> Any:
     """`ContactProblem.solve_many`."""
     histories = _histories(problem, shared, several)
     if options.get("linear") is None:
@@ -184,25 +184,34 @@ def solve(
         raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
     threads = processors(workers)
     kept = keep(keep_u, min((len(tables["times"]) for _, tables in histories), default=1))
+    called(reduce, "reduce")
+    found: list[Any] = [None] * len(histories)
+    failed: dict[int, str] = {}
     bar: Any = None
     if progress:
         from tqdm.auto import tqdm
 
         bar = tqdm(total=len(histories), unit="history")
+
+    def take(k: int, raw: dict[str, Any]) -> None:
+        result = Result._of(raw, histories[k][0], reason=reason_of(raw))
+        if not result.converged:
+            failed[k] = result.message
+        found[k] = result if reduce is None else reduce(result)
+        if bar is not None:
+            bar.update()
+
     try:
-        raws = _core.solve_many(
-            [(own._core, tables) for own, tables in histories], core, linear, kept, threads,
-            None if bar is None else bar.update,
-        )
+        _core.solve_many([(own._core, tables) for own, tables in histories], core, linear, kept, threads, take)
     finally:
         if bar is not None:
             bar.close()
-    results = Results()
+    if failed:
+        first = min(failed)
+        which = f"{len(failed)} of {counted(len(found), *_HISTORY)} did not converge ({few(sorted(failed))})"
+        warn(f"{which}; {first}: {failed[first]}", NotConvergedWarning)
+    if reduce is not None:
+        return found
+    results = Results(found)
     results._sizes = (problem.n_u, problem.n_c, problem.tangents)
-    results.extend(Result._of(raw, own, reason=reason_of(raw)) for (own, _), raw in zip(histories, raws))
-    failed = np.flatnonzero(~results.converged)
-    if len(failed):
-        first = int(failed[0])
-        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first].message}"
-        warn(message, NotConvergedWarning)
     return results

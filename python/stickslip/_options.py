@@ -79,6 +79,20 @@ class SolveOptions(TypedDict, total=False):
     r_factor: float | None
 
 
+class ManyOptions(SolveOptions, total=False):
+    """The keywords of `ContactProblem.solve_many` but `reduce`."""
+
+    forces: Several | None
+    gaps: Several | None
+    mus: Several | None
+    gap: ArrayLike
+    drift: ArrayLike
+    t: ArrayLike | None
+    keep_u: str | Sequence[int]
+    workers: int | None
+    progress: bool
+
+
 class IncrementOptions(SolveOptions, total=False):
     """The keywords of `ContactProblem.solve_increment` that are not the increment."""
 
@@ -106,14 +120,13 @@ def core_options(
         raise TypeError(f"{name} is no argument here, expected method, setting, linear, tolerance, max_iterations or r_factor")
     options: dict[str, Any] = {
         "method": _word("method", method, get_args(Method), "bn"), "setting": _word("setting", setting, get_args(Setting), "default"),
-        "r_factor": r_factor, "tolerance": tolerance, "max_iterations": max_iterations,
+        "r_factor": 1.0 if r_factor is None else r_factor, "tolerance": tolerance,
+        "max_iterations": 200 if max_iterations is None else max_iterations,
     }
     kinds: dict[str, tuple[Any, str]] = {
         "r_factor": (numbers.Real, "a number"), "tolerance": ((numbers.Real, type(None)), "a number or None"),
         "max_iterations": (numbers.Integral, "a whole number"),
     }
-    for name, default in (("r_factor", 1.0), ("max_iterations", 200)):
-        options[name] = default if options[name] is None else options[name]
     if isinstance(r_factor, np.floating):
         # The bounds are beyond the range of shorter numbers.
         options["r_factor"] = float(r_factor)
@@ -187,10 +200,10 @@ def keep(keep_u: str | Sequence[int], increments: int) -> bool | list[int]:
         raise ValueError(f"keep_u is {keep_u!r}, expected whole numbers, of increments from 0") from None
 
 
-def called(callback: object) -> None:
-    """Refuses a callback that cannot be called."""
-    if callback is not None and not callable(callback):
-        raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+def called(function: object, name: str = "callback") -> None:
+    """Refuses what is neither None nor a function."""
+    if function is not None and not callable(function):
+        raise TypeError(f"{name}: a function expected, {type(function).__name__} found")
 
 
 def path_of(path: object) -> str:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,9 @@ from ._words import counted, reason_of
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._options import IncrementOptions, Several, SolveOptions
+    from ._options import IncrementOptions, ManyOptions, Several, SolveOptions
+
+Value = TypeVar("Value")
 
 
 class ContactProblem(Matrices):
@@ -80,12 +82,13 @@ class ContactProblem(Matrices):
         return self
 
     def with_(
-        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None,
+        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None, K: Any = None,
     ) -> ContactProblem:
-        """The same body with other contact: it shares K and, while the contact displacements stay, the condensed body.
+        """The same problem with other contact, or another stiffness.
 
-        Once one of the problems has been solved condensed, the others are not condensed anew. Gaps are no part of a problem but of
-        `solve`, so that problems with other gaps share all this too.
+        With the same K it shares K and, while the contact displacements stay, the condensed body: once one of the problems has been
+        solved condensed, the others are not condensed anew. Gaps are no part of a problem but of `solve`, so that problems with
+        other gaps share all this too.
 
         Parameters
         ----------
@@ -97,6 +100,8 @@ class ContactProblem(Matrices):
             Displacements towards the obstacle.
         C_t : matrix or pair of matrices, (n_c, n_u), optional
             Displacements along the tangents.
+        K : matrix, (n_u, n_u), optional
+            Another stiffness, N/m, as `ContactProblem` takes it; its free motions are found from it.
 
         Returns
         -------
@@ -115,7 +120,15 @@ class ContactProblem(Matrices):
         >>> slippery = problem.with_(mu=0.1)
         >>> [float(p.solve([40.0, -100.0]).p_t[0, 0, 0]) for p in (problem, slippery)]
         [30.0, 10.0]
+        >>> softer = problem.with_(K=problem.K / 2)
+        >>> [float(1e6 * p.solve([40.0, -100.0]).u[0, 0].round(15)) for p in (problem, softer)]
+        [5.0, 10.0]
         """
+        if K is not None:
+            return ContactProblem(
+                K, self.C_n if C_n is None else C_n, self.C_t if C_t is None else C_t, self.mu if mu is None else mu,
+                weight=self.weight if weight is None else weight,
+            )
         if C_n is None and C_t is None:
             coefficients = None if mu is None else vector("mu", mu, self.n_c)
             weights = None if weight is None else vector("weight", weight, self.n_c)
@@ -136,7 +149,7 @@ class ContactProblem(Matrices):
         return ContactProblem._of(self._core.with_parts([compressed(C) for C in maps], coefficients, weights), tangents)
 
     def solve(
-        self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
+        self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike = 0.0,
         mu: ArrayLike | None = None, t: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
         linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int | None = 200,
         r_factor: float | None = 1.0, keep_u: str | Sequence[int] = "all", callback: Callback | None = None,
@@ -151,8 +164,8 @@ class ContactProblem(Matrices):
             Of the loads at the ends of the increments.
         gap : float, (n_c,) or (m + 1, n_c)
             m; the first row of a table is before the first increment.
-        drift : (m, n_c) or (m, n_c, d), optional
-            How far the obstacle has moved past each node at the ends, m.
+        drift : float, (m, n_c) or (m, n_c, d)
+            How far the obstacle has moved past each node at the ends, m; (m, 1) of an obstacle that moves as a whole.
         mu : float, (n_c,) or (m, n_c), optional
             Friction coefficients in place of the problem's; of each increment where they change.
         t : (m,), optional
@@ -191,6 +204,12 @@ class ContactProblem(Matrices):
         >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
         >>> problem.solve([40.0, -100.0], [0.5, 1.0], mu=[[0.3], [0.2]]).p_t[:, 0, 0]
         array([15., 20.])
+
+        The history of a model has the keywords of this function:
+
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+        >>> bool(np.allclose(model.problem.solve(**model.history).p_n, model.run().p_n))
+        True
         """
         return self._solve(
             _history.tables(self, force, factors, gap, drift, mu, t), single=False, keep_u=keep_u, callback=callback,
@@ -243,16 +262,26 @@ class ContactProblem(Matrices):
         """
         w = tangential("w_t_last", w_t_last, self.n_c, self.tangents)
         mu = options.pop("mu", None)
-        drift = w[None] if w.any() else None
-        history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), drift, mu, None)
+        history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), w[None], mu, None)
         return self._solve(history, single=True, **options)
+
+    @overload
+    def solve_many(
+        self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, reduce: None = None, **options: Unpack[ManyOptions]
+    ) -> _many.Results: ...
+
+    @overload
+    def solve_many(
+        self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, reduce: Callable[[Result], Value],
+        **options: Unpack[ManyOptions],
+    ) -> list[Value]: ...
 
     def solve_many(
         self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, forces: Several | None = None,
         gaps: Several | None = None, mus: Several | None = None, gap: ArrayLike = 0.0,
-        drift: ArrayLike | None = None, t: ArrayLike | None = None, keep_u: str | Sequence[int] = "last",
-        workers: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
-    ) -> _many.Results:
+        drift: ArrayLike = 0.0, t: ArrayLike | None = None, reduce: Callable[[Result], Any] | None = None,
+        keep_u: str | Sequence[int] = "last", workers: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
+    ) -> Any:
         """Solves many histories of this body side by side: parameter studies, random fields, fits.
 
         The body is condensed once, and each history is computed in one thread, without the lock of the interpreter. For many
@@ -265,6 +294,10 @@ class ContactProblem(Matrices):
             What differs: the `force`, `gap` and `mu` of each history, each as `solve` takes it; of a table or an array a row for each.
         force, factors, gap, drift, t
             What is the same for all, as `solve` takes it.
+        reduce : callable, optional
+            A function of a `Result`, called in this thread once a history is done. Its values alone are kept, so that the memory does
+            not grow with the number of histories but by them; `Result.converged` says which failed, as one warning does. What it
+            raises ends the work and comes out.
         keep_u : "last", "all", "none" or list of int
             Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
         workers : int, optional
@@ -277,7 +310,8 @@ class ContactProblem(Matrices):
         Returns
         -------
         Results
-            A list of `Result`, in the order of the input. One that fails has its status and reason, and the others stay.
+            A list of `Result`, in the order of the input. One that fails has its status and reason, and the others stay. With
+            `reduce` a list of its values.
 
         Raises
         ------
@@ -293,10 +327,12 @@ class ContactProblem(Matrices):
         <Results of 3 histories, all converged>
         >>> results.stack("p_t")[:, 0, 0, 0]
         array([10., 20., 30.])
+        >>> problem.solve_many([40.0, -100.0], mus=[0.1, 0.2], reduce=lambda result: float(result.p_t.sum()))
+        [10.0, 20.0]
         """
         return _many.solve(
-            self, (force, factors, gap, drift, t), {"forces": forces, "gaps": gaps, "mus": mus}, keep_u, workers, progress,
-            dict(options),
+            self, (force, factors, gap, drift, t), {"forces": forces, "gaps": gaps, "mus": mus}, reduce, keep_u, workers,
+            progress, dict(options),
         )
 
     def stepper(
@@ -403,9 +439,9 @@ class CondensedProblem(ContactProblem):
         raise TypeError("a CondensedProblem is made by `ContactProblem(K, C_n, C_t, ...).condense()`")
 
     @classmethod
-    def _condensed(cls, whole: ContactProblem) -> CondensedProblem:
+    def _condensed(cls, whole: ContactProblem, parts: tuple[_core.Problem, _core.CondensedBody] | None = None) -> CondensedProblem:
         self = cls.__new__(cls)
-        self._core, self._body = whole._core.condense()
+        self._core, self._body = parts or whole._core.condense()
         self.tangents, self.whole = whole.tangents, whole
         return self
 
@@ -454,15 +490,13 @@ class CondensedProblem(ContactProblem):
         return np.ascontiguousarray(np.atleast_2d(array)), array.shape[:-1]
 
     def with_(
-        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None,
+        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None, K: Any = None,
     ) -> CondensedProblem:
-        """As `ContactProblem.with_`, for friction and weights; other maps have other contact displacements."""
-        if C_n is not None or C_t is not None:
-            raise ValueError("C_n and C_t decide to what a body is condensed: problem.with_(C_n=..., C_t=...).condense()")
-        other = CondensedProblem.__new__(CondensedProblem)
-        other._core, other._body = super().with_(mu=mu, weight=weight)._core, self._body
-        other.tangents, other.whole = self.tangents, self.whole.with_(mu=mu, weight=weight)
-        return other
+        """As `ContactProblem.with_`, for friction and weights; another body or other maps are condensed to something else."""
+        if K is not None or C_n is not None or C_t is not None:
+            raise ValueError("K, C_n and C_t decide to what a body is condensed: problem.with_(K=..., C_n=..., C_t=...).condense()")
+        parts = super().with_(mu=mu, weight=weight)._core, self._body
+        return CondensedProblem._condensed(self.whole.with_(mu=mu, weight=weight), parts)
 
     def __reduce__(self) -> Any:
         return CondensedProblem._condensed, (self.whole,)

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _plot
-from ._errors import AccuracyWarning, NotConvergedWarning, StickslipError, in_python, warn
+from ._errors import AccuracyWarning, NotConvergedWarning, StickslipError, in_python
 from ._fields import Fields
 from ._files import replaced
 from ._kinds import LAWS, OPEN, SLIP, STICK
 from ._linear import Checked
 from ._options import path_of
-from ._words import REASONS, counted, violation
+from ._words import REASONS, counted, violation, warn
 
 if TYPE_CHECKING:
     from ._matrices import Matrices
@@ -86,23 +86,6 @@ class Result(Fields):
     True
     """
 
-    status: str
-    reason: str
-    t: Array
-    p_n: Array
-    p_t: Array
-    contact: Array
-    gap: Array
-    mu: Array
-    w_t_last: Array
-    errors: Array
-    kept: tuple[int, ...]
-    u: Array
-    u_rest: Array
-    force: Array
-    records: list[dict[str, Any]]
-    iterations: Array
-    report: dict[str, Any]
     model: Model | None = field(default=None)
 
     @classmethod
@@ -230,9 +213,6 @@ class Result(Fields):
     def __getstate__(self) -> dict[str, Any]:
         """Without what is computed again when it is asked for."""
         return {name: value for name, value in self.__dict__.items() if name != "_of_nodes"}
-
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
 
     def __repr__(self) -> str:
         head = f"<Result {self.message}; {self._amount()}, error {self.error:.1e}"

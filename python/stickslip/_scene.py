@@ -16,14 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from . import _core
 from . import mesh as _mesh
 from ._arrays import read_only, vector
-from ._errors import SceneError, warn
+from ._errors import SceneError
 from ._files import scene_text
 from ._kinds import DIMENSION
 from ._options import Callback, LinearSolver, called, keep, linear_of, path_of, share, whole
 from ._problem import ContactProblem
 from ._result import Result
 from ._toml import to_toml, toml_value
-from ._words import counted
+from ._words import counted, warn
 from .builder import Scene
 
 Array = NDArray[Any]
@@ -197,15 +197,14 @@ class Model:
 
     @property
     def history(self) -> dict[str, Array]:
-        """Loads, gaps, drift and friction over time, for other people's solvers.
+        """Loads, gaps, drift and friction over time, for other people's solvers: the keywords of `ContactProblem.solve`.
 
         Returns
         -------
         dict of str to ndarray
             ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
-            obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
-            (m, loads): the loads that ``force`` is the sum of, in the order of ``[[load]]``; then those of supports and bolts,
-            if there are any. Arrays are read-only; copies of them are not.
+            obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``t``, the ends of the increments, s, (m,).
+            Arrays are read-only; copies of them are not.
 
         Examples
         --------
@@ -217,8 +216,18 @@ class Model:
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
         force = raw["factors"].reshape(len(self.t), -1) @ raw["cases"]
-        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "t": self.t}
         return {name: read_only(table) for name, table in history.items()}
+
+    @property
+    def loads(self) -> tuple[Array, Array]:
+        """The loads that the force of `history` is the sum of, N, (loads, n_u), and their factors, (m, loads).
+
+        In the order of ``[[load]]``; then those of supports and bolts, if there are any. `ContactProblem.solve` takes them in place
+        of the sum: ``problem.solve(*model.loads, gap=model.history["gap"])``.
+        """
+        raw = self._core.history()
+        return read_only(raw["cases"]), read_only(raw["factors"].reshape(len(self.t), -1))
 
     def displacement(self, u: ArrayLike, t: float | None = None) -> Array:
         """Displacements of all nodes, those of supports included.
@@ -284,10 +293,7 @@ class Model:
         (20, 40)
         """
         name, text, before, given = self._arguments
-        model = Model.__new__(Model)
-        model._has_text = self._has_text
-        model._make(name, text, {**before, **_words(overrides, given is not None)}, given, self._files())
-        return model
+        return _restore(name, text, {**before, **_words(overrides, given is not None)}, given, self._files(), self._has_text)
 
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
@@ -408,9 +414,11 @@ def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
     return [(kind, read_only(np.array(nodes, dtype=np.int64))) for kind, nodes in blocks]
 
 
-def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> Model:
+def _restore(
+    name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes], has_text: bool = True
+) -> Model:
     model = Model.__new__(Model)
-    model._has_text = True
+    model._has_text = has_text
     model._make(name, text, overrides, given, files)
     return model
 
@@ -472,17 +480,6 @@ def load(path: str | os.PathLike[str]) -> Result:
         If there is no such file.
     ValueError
         If it was not written by `Result.save`.
-
-    Examples
-    --------
-    >>> import os, tempfile
-    >>> import stickslip as ss
-    >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     result.save(os.path.join(folder, "block.npz"))
-    ...     again = ss.load(os.path.join(folder, "block.npz"))
-    >>> bool((again.p_n == result.p_n).all())
-    True
     """
     path = path_of(path)
     refused = f"path: {path} was not written by Result.save"

@@ -113,7 +113,7 @@ class Stepper:
             Its end, s, above `t`; 1 s later without it (`ContactProblem.solve` divides 1 s).
         gap : float or (n_c,), optional
             Gaps at its end, m; as they were without it.
-        drift : (n_c,) or (n_c, d), optional
+        drift : float, (n_c,) or (n_c, d), optional
             How far the obstacle has moved past each node, m, counted from the beginning; as it was without it.
         mu : float or (n_c,), optional
             Friction coefficients at its end where they change; as they were without it.
@@ -151,7 +151,7 @@ class Stepper:
             raise ValueError(f"t is {end:g}, but the last increment ended at {begun:g}")
         new_force = forces_of("force", force, self.problem.n_u)
         new_gap = self._gap if gap is None else vector("gap", gap, n_c)
-        new_drift = self._drift if drift is None else tangential("drift", drift, n_c, d)
+        new_drift = self._drift if drift is None else tangential("drift", drift if np.ndim(drift) else np.full((n_c, d), drift), n_c, d)
         rows = self._mu if mu is None else vector("mu", mu, n_c)
         moves = bool(new_drift.any() or self._drift.any())
         first = 0 if begun == 0.0 else 1

@@ -9,13 +9,12 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from typing import Any, Union
 
-from ._errors import warn
 from ._linear import Checked
 from ._many import Results
 from ._options import linear_of, processors
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
-from ._words import counted, few
+from ._words import counted, few, warn
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]

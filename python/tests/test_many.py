@@ -8,6 +8,8 @@ import pickle
 import signal
 import threading
 import time
+import tracemalloc
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +40,14 @@ def test_many_are_as_one_by_one(method: Any, linear: Any) -> None:
     p, h = model.problem, model.history
     mus = fields(p)
     shared = {"gap": h["gap"], "method": method, "linear": linear}
-    many = p.solve_many(h["cases"], h["factors"], mus=mus, workers=2, keep_u="all", **shared).check()
+    many = p.solve_many(*model.loads, mus=mus, workers=2, keep_u="all", **shared).check()
     assert len(many) == 5 and many.converged.all()
     for mu, result in zip(mus, many):
-        anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu).solve(h["cases"], h["factors"], **shared).check()
+        anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu).solve(*model.loads, **shared).check()
         same(result, anew)
         np.testing.assert_allclose(result.u, anew.u, rtol=0, atol=1e-12 * abs(anew.u).max())
     for workers in (1, 3):
-        again = p.solve_many(h["cases"], h["factors"], mus=mus, workers=workers, **shared)
+        again = p.solve_many(*model.loads, mus=mus, workers=workers, **shared)
         assert (again.stack("p_t") == many.stack("p_t")).all(), "threads change nothing, to the last bit"
 
 
@@ -128,12 +130,52 @@ def test_an_interrupt_comes_out() -> None:
     begun = time.monotonic()
     try:
         with pytest.raises(KeyboardInterrupt):
-            p.solve_many(h["cases"], h["factors"], gap=1e-5, mus=fields(p, 5000), keep_u="none")
+            p.solve_many(*model.loads, gap=1e-5, mus=fields(p, 5000), keep_u="none")
             # Done before the signal on a very fast machine: then it comes here.
             time.sleep(5)
     finally:
         timer.cancel()
     assert time.monotonic() - begun < 30
+
+
+def test_values_of_results_are_kept_in_the_order_of_the_input() -> None:
+    model = ss.Model(block(6))
+    p, mus = model.problem, fields(model.problem, 12)
+    shared = {"gap": model.history["gap"], "keep_u": "all"}
+    expected = [result.u.sum() for result in p.solve_many(*model.loads, mus=mus, **shared)]
+    threads, alive, most = set(), weakref.WeakSet[ss.Result](), 0
+
+    def reduce(result: ss.Result) -> float:
+        nonlocal most
+        threads.add(threading.get_ident())
+        alive.add(result)
+        most = max(most, len(alive))
+        return float(result.u.sum())
+
+    assert p.solve_many(*model.loads, mus=mus, workers=2, reduce=reduce, **shared) == expected
+    assert threads == {threading.get_ident()} and most <= 2, "no result outlives its value"
+    with pytest.raises(ZeroDivisionError):
+        p.solve_many(*model.loads, mus=mus, workers=2, reduce=lambda result: 1 / 0, **shared)
+    with pytest.raises(TypeError, match="^reduce: a function expected, str found"):
+        p.solve_many(*model.loads, mus=mus, reduce="sum", **shared)
+    with pytest.warns(ss.NotConvergedWarning, match=r"12 of 12 histories did not converge .*; 0: max-iterations"):
+        assert p.solve_many(*model.loads, mus=mus, max_iterations=1, setting="paper", reduce=lambda r: r.converged, **shared) == [False] * 12
+
+
+def test_memory_does_not_grow_with_histories_that_are_reduced() -> None:
+    model = ss.Model(block(10, 40))
+    small, mus = model.problem.condense(), fields(model.problem, 80)
+    loads = small.reduce(model.history["force"])
+
+    def of_a_history(reduce: Any) -> float:
+        """kB."""
+        tracemalloc.start()
+        kept = small.solve_many(loads, gap=1e-5, mus=mus, workers=2, reduce=reduce)
+        most = tracemalloc.get_traced_memory()[1] / len(kept) / 1e3
+        tracemalloc.stop()
+        return most
+
+    assert of_a_history(None) > 50.0 > 15.0 > of_a_history(lambda result: result.p_t[-1].sum())
 
 
 def test_progress_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
@@ -174,6 +216,23 @@ def test_other_contact_on_one_body() -> None:
         p.with_(C_n=p.C_n[some], mu=0.2, weight=1.0)
     with pytest.raises(ValueError, match="^weight"):
         p.with_(weight=-1.0)
+
+
+def test_another_stiffness_under_one_contact() -> None:
+    model = ss.Model(block(6))
+    p, force = model.problem, model.history["force"]
+    stiff = p.with_(K=2.0 * p.K)
+    np.testing.assert_allclose(stiff.solve(2.0 * force, gap=1e-5).u, p.solve(force, gap=1e-5).u, rtol=0, atol=1e-12)
+    assert (stiff.weight == p.weight).all() and (stiff.mu == p.mu).all() and (stiff.C_t[0] != p.C_t[0]).nnz == 0
+    part = p.with_(K=2.0 * p.K, C_n=p.C_n[2:5], C_t=p.C_t[0][2:5], mu=0.2, weight=p.weight[2:5])
+    assert part.n_c == 3 and (part.mu == 0.2).all() and abs(part.K - 2.0 * p.K).max() == 0
+    loose = ss.ContactProblem(np.eye(2), [[0, -1]]).with_(K=np.diag([0.0, 1.0]))
+    assert loose.free_motions.shape == (1, 2) and loose.C_t == ()
+    for K, message in ((np.eye(3), "^C_n has the shape"), ([[1.0, 2.0], [0.0, 1.0]], "^K is not symmetric")):
+        with pytest.raises(ValueError, match=message):
+            loose.with_(K=K)
+    with pytest.raises(ValueError, match="^K, C_n and C_t decide to what a body is condensed"):
+        p.condense().with_(K=p.K)
 
 
 @pytest.mark.parametrize("scene", [block(8), SCENES / "cube.toml"])

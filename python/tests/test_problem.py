@@ -37,7 +37,7 @@ def test_the_matrices_of_a_scene_solve_to_the_same_answer(scene: object) -> None
     result, h, p = model.run().check(), model.history, model.problem
     again = ss.ContactProblem(p.K, p.C_n, p.C_t, p.mu, weight=p.weight)
     for linear in ("auto", "faer", "condensed"):
-        other = again.solve(h["cases"], h["factors"], gap=h["gap"], drift=h["drift"], linear=linear).check()
+        other = again.solve(*model.loads, gap=h["gap"], drift=h["drift"], linear=linear).check()
         np.testing.assert_allclose(other.u, result.u, rtol=0, atol=1e-9 * abs(result.u).max())
         np.testing.assert_allclose(other.p_t, result.p_t, rtol=0, atol=1e-8 * abs(result.p_n).max())
 
@@ -61,7 +61,7 @@ def test_other_friction_on_one_body(linear: str) -> None:
         assert other.n_u == p.n_u and (other.mu == mu).all() and (p.mu == 0.4).all()
         anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu, weight=p.weight)
         for _ in range(2):
-            a, b = (q.solve(h["cases"], h["factors"], gap=h["gap"], linear=linear).check() for q in (other, anew))
+            a, b = (q.solve(*model.loads, gap=h["gap"], linear=linear).check() for q in (other, anew))
             np.testing.assert_allclose(a.p_n, b.p_n, rtol=0, atol=1e-12 * abs(b.p_n).max())
             np.testing.assert_allclose(a.p_t, b.p_t, rtol=0, atol=1e-12 * abs(b.p_n).max())
     with pytest.raises(ValueError, match="mu"):
@@ -430,3 +430,38 @@ def test_options_that_may_be_left_out_may_be_none() -> None:
 def test_which_displacements_are_kept_is_said_in_words(keep_u: object) -> None:
     with pytest.raises(ValueError, match="^keep_u is .*, expected"):
         one_node().solve([1.0, 1.0], keep_u=keep_u)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("scene, overrides", [(block(), {}), (SCENES / "cube.toml", {"mesh.elements": [3, 3, 3]}), (SCENES / "cattaneo_mindlin.toml", {
+    "mesh.elements": [[6, 8, 6], 8], "time.increments": 4,
+}), (SCENES / "turning_load.toml", {"mesh.elements": [8, 8]})])
+def test_the_history_of_a_model_is_that_of_its_problem(scene: Any, overrides: dict[str, Any]) -> None:
+    model = ss.Model(scene, overrides)
+    result, expected = model.problem.solve(**model.history), model.run()
+    assert (result.t == expected.t).all() and result.converged
+    np.testing.assert_allclose(result.p_n, expected.p_n, rtol=0, atol=1e-8 * expected.p_n.max())
+    np.testing.assert_allclose(result.p_t, expected.p_t, rtol=0, atol=1e-8 * expected.p_n.max())
+    loads = model.problem.solve(*model.loads, **{key: table for key, table in model.history.items() if key != "force"})
+    np.testing.assert_allclose(loads.p_t, expected.p_t, rtol=0, atol=1e-8 * expected.p_n.max())
+
+
+def test_drift_is_a_number_or_a_part_that_is_repeated() -> None:
+    K = np.diag([2e6, 1e6] * 2)
+    problem = ss.ContactProblem(K, [[0, -1, 0, 0], [0, 0, 0, -1]], [[1, 0, 0, 0], [0, 0, 1, 0]], mu=0.3)
+    force = [[0, -100, 0, -100]] * 3
+    for drift, whole in ((1e-5, np.full((3, 2), 1e-5)), ([[0.0], [1e-5], [2e-5]], np.outer([0.0, 1e-5, 2e-5], [1, 1])), ([[1e-5, 2e-5]], [[1e-5, 2e-5]] * 3)):
+        expected = problem.solve(force, drift=whole)
+        assert (problem.solve(force, drift=drift).p_t == expected.p_t).all() and expected.p_t.any()
+        assert (problem.solve_many(force, mus=[0.3], drift=drift)[0].p_t == expected.p_t).all()
+        assert ss.judge(problem, "bn", history={"force": force, "drift": drift}).p_t[-1].sum() == pytest.approx(expected.p_t[-1].sum())
+    assert (problem.stepper().step(force[0], drift=1e-5).p_t == problem.stepper().step(force[0], drift=[1e-5, 1e-5]).p_t).all()
+    assert ss.ContactProblem(K, [[0, -1, 0, 0]]).solve(force, drift=0.0).converged
+    for wrong in ([1e-5], [[1e-5] * 3], np.zeros((2, 2))):
+        with pytest.raises(ValueError, match=r"^drift has the shape .*, expected a number, \(3, 2\) or \(3, 2, 1\)"):
+            problem.solve(force, drift=wrong)
+
+
+@pytest.mark.parametrize("t", [[0.0, 1.0], [1.0, 1.0], [1.0]])
+def test_ends_of_increments_of_a_history_that_do_not_fit(t: list[float]) -> None:
+    with pytest.raises(ValueError, match=r"^history\['t'\] (must increase|has the shape)"):
+        ss.judge(one_node(), "bn", history={"force": [[0.0, -1.0], [0.1, -1.0]], "t": t})

@@ -436,5 +436,6 @@ def test_stress_takes_off_the_thermal_strain_of_the_scene() -> None:
     assert free[:, 0] == pytest.approx(-1e9 * 1e-5 * 20.0 / (1.0 - 2.0 * 0.3))
     assert model.stress(np.zeros(model.problem.n_u), 0.0) == pytest.approx(np.zeros_like(free))
     assert "is subtracted" in (ss.Model.stress.__doc__ or "")
-    cases = model.history["cases"]
+    cases, factors = model.loads
+    np.testing.assert_allclose(factors @ cases, model.history["force"], atol=1e-9)
     assert len(cases) == 3 and cases[1][::2].sum() == pytest.approx(-10e6)
