@@ -67,9 +67,12 @@ def refuse_old_names() -> None:
         raise AttributeError(f"module 'stickslip' has no attribute {name!r}" + (f": it is gone, take {new}" if new else ""))
 
     package.__getattr__ = of_package
-    for where, names in ATTRIBUTES.items():
-        for old, new in names.items() if where else ():
-            setattr(attrgetter(where)(package), old, _Gone(f"{old} of {where} is gone: take {new}"))
+    for where, names in list(ATTRIBUTES.items())[1:]:
+        kind = attrgetter(where)(package)
+        for old, new in names.items():
+            setattr(kind, old, _Gone(f"{old} of {where} is gone: take {new}"))
+        # What an editor offers.
+        kind.__dir__ = lambda of, gone=names: [name for name in object.__dir__(of) if name not in gone]
     for where, names in KEYWORDS.items():
         owner, _, name = where.rpartition(".")
         function = _refusing(attrgetter(where)(package), where, names)

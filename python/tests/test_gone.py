@@ -39,6 +39,7 @@ def test_objects_refuse_them_as_their_classes_do() -> None:
     for of, old, new in ((result, "success", "converged"), (problem, "residual", "Natural"), (problem.condense(), "jacobian", "Natural")):
         with pytest.raises(AttributeError, match=f"^{old} of .* is gone: take .*{new}"):
             getattr(of, old)
+        assert old not in dir(of) and "converged" in dir(result)
     for keep_u, word in ((True, "all"), (False, "none")):
         with pytest.raises(TypeError, match=f"^keep_u is {keep_u}, expected '{word}'"):
             problem.solve([40.0, -100.0], keep_u=keep_u)  # type: ignore[arg-type]
