@@ -83,17 +83,7 @@ class SceneError(StickslipError, ValueError):
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
     def _in_python(self, has_text: bool) -> SceneError:
-        """The error in words of this module.
-
-        Parameters
-        ----------
-        has_text : bool
-            Whether a text was read, which has lines, or a dictionary or a `Scene`.
-
-        Returns
-        -------
-        SceneError
-        """
+        """The error in words of this module; `has_text` if a text was read, which has lines, and no dictionary or `Scene`."""
         file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
         key = self.key

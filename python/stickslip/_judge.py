@@ -223,8 +223,8 @@ class Verdict:
     p_n, p_t : (m, n_c) and (m, n_c, d) arrays
         Contact forces, N.
     reason : str
-        Why it ended early: what the solver raised, or that its answer was not finite. "not applicable: ...", with an error that is NaN and no rows of
-        errors, where a method of this module does not solve such a problem.
+        Why it ended early: what the solver raised, or that its answer was not finite. "not applicable: ...", with an error that
+        is NaN and no rows of errors, where a method of this module does not solve such a problem.
 
     Examples
     --------

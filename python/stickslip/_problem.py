@@ -295,9 +295,8 @@ class ContactProblem(Matrices):
         force, factors, gap, drift, t
             What is the same for all, as `solve` takes it.
         reduce : callable, optional
-            A function of a `Result`, called in this thread once a history is done. Its values alone are kept, so that the memory does
-            not grow with the number of histories but by them; `Result.converged` says which failed, as one warning does. What it
-            raises ends the work and comes out.
+            A function of a `Result`, called in this thread once a history is done. Its values are kept in place of the results.
+            `Result.converged` tells it whether the history failed. What it raises ends the work and comes out.
         keep_u : "last", "all", "none" or list of int
             Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
         workers : int, optional
