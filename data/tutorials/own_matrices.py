@@ -35,8 +35,8 @@ last = 5
 force, before = factors[last] @ loads, problem.slip(result.u[last - 1])
 for error in (0.0, 1.0):
     friction = result.p_t[last] + error
-    law, size = ss.errors(problem, force, result.u[last], result.p_n[last], friction, w_t_last=before).worst
-    print(f"friction off by {error:.0f} N: largest error {size:.0e} ({law})")
+    judged = ss.measure(problem, force, result.u[last], result.p_n[last], friction, w_t_last=before)
+    print(f"friction off by {error:.0f} N: largest error {judged.error:.0e} ({judged.law})")
 
 out = Path("results/own-matrices")
 out.mkdir(parents=True, exist_ok=True)

@@ -18,5 +18,5 @@ for force in press:
     resisted[shape] -= spring * moved / len(shape)
     result = stepper.step(resisted).check()
     moved = float(result.u[0, shape].mean())
-    print(f"t = {stepper.time:g}: the top has moved by {1e6 * moved:.2f} µm, p_n = {result.p_n[0].sum():.4e} N/m")
+    print(f"t = {stepper.t:g}: the top has moved by {1e6 * moved:.2f} µm, p_n = {result.p_n[0].sum():.4e} N/m")
 print(f"{stepper.work['factorizations']} factorisations")

@@ -24,7 +24,7 @@ def main(increments: int = 10, tolerance: float = 1e-10) -> tuple[ss.Model, list
     for k in range(1, increments + 1):
         before, guess, relaxation, last = stepper.save(), warm, 1.0, None
         for iteration in range(1, 51):
-            result = stepper.step(force, time=k * dt, gap=-growth * guess, drift=speed * k * dt * np.ones(problem.n_c)).check()
+            result = stepper.step(force, t=k * dt, gap=-growth * guess, drift=speed * k * dt * np.ones(problem.n_c)).check()
             slid = problem.slip(result.u[0]) - slip - speed * dt
             heat = (result.p_t[0] * slid).sum(axis=1) / (dt * width)                  # W/m²
             residual = (capacity * warm / dt + heat) / (capacity / dt + loss) - guess
@@ -39,7 +39,7 @@ def main(increments: int = 10, tolerance: float = 1e-10) -> tuple[ss.Model, list
         warm, slip = guess, problem.slip(result.u[0])
         results.append(result)
         stress = result.p_n[0] / width
-        print(f"t = {stepper.time:g} s: {iteration:2} iterations, at most {warm.max():.1f} K, pressure {stress.min():.3e} to {stress.max():.3e} Pa")
+        print(f"t = {stepper.t:g} s: {iteration:2} iterations, at most {warm.max():.1f} K, pressure {stress.min():.3e} to {stress.max():.3e} Pa")
     return model, results, warm
 
 

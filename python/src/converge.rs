@@ -3,12 +3,13 @@
 use crate::error::{of_run, of_scene};
 use crate::foreign::Raised;
 use crate::recorder::{Keep, Recorder};
+use crate::scene::parsed;
 use crate::solve::watched;
 use miette::Diagnostic;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::base::Units;
-use stickslip::scene::{Contents, Override, OverrideSyntax, Scene, with_contents};
+use stickslip::scene::{Contents, Scene, with_contents};
 use stickslip_cli::converge::{ConvergeError, Limits, Plan, Sought, compute};
 use stickslip_cli::study::MeshSize;
 
@@ -58,8 +59,7 @@ pub(crate) fn converge(
     wanted: Wanted,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String)> {
-    let overrides = overrides.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
-    let overrides = overrides.map_err(|error: OverrideSyntax| refused(error))?;
+    let overrides = parsed(&overrides)?;
     let plan = wanted.plan()?;
     let raised = Raised::default();
     let mut tell = |what: String| {

@@ -3,17 +3,18 @@
 use crate::error::of_run;
 use crate::foreign::Raised;
 use crate::loading::{History, Tables};
-use crate::problem::{Options, Problem, exported};
+use crate::problem::{Options, Problem, exported, system};
 use crate::recorder::{Keep, PATIENCE, Recorder};
-use crate::solve::{Algebra, BUG, detached};
+use crate::solve::{Algebra, BUG, cheapest, detached};
+use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
 use std::thread;
 use stickslip::algebra::parallel_map;
-use stickslip::run::{AvailableSolvers, Choice, RunError};
+use stickslip::run::RunError;
 use stickslip::solver::history::{self, HistoryOutcome, LinearAlgebra, SolverChoice, SystemSolver};
 use stickslip::solver::{Condensation, Condensed, ContactProblem, InitialWorkingSet, Loading};
 
@@ -32,15 +33,6 @@ impl Sample {
         Ok(self.history.loading().map_err(history::Error::from)?)
     }
 
-    fn system(&self, linear: LinearAlgebra) -> SystemSolver {
-        match linear {
-            LinearAlgebra::Condensed(cholesky) if cholesky == self.condensation.cholesky() => {
-                SystemSolver::Condensed(self.condensation.clone())
-            }
-            linear => linear.into(),
-        }
-    }
-
     fn run(
         &self,
         solver: &SolverChoice,
@@ -49,7 +41,8 @@ impl Sample {
     ) -> Result<HistoryOutcome, RunError> {
         let loading = self.loading()?;
         let settings = solver.settings(&self.problem, &loading)?;
-        Ok(solver.solve(&self.problem, &loading, &self.history.times, &settings, self.system(linear), recorder)?)
+        let system = system(&self.condensation, linear);
+        Ok(solver.solve(&self.problem, &loading, &self.history.times, &settings, system, recorder)?)
     }
 
     /// A failure of one history, a panic included, is no failure of the others.
@@ -72,12 +65,9 @@ fn prepared(samples: &[Sample], solver: &SolverChoice) -> Result<LinearAlgebra, 
     let linear = match solver.linear {
         Some(linear) => linear,
         None if first.condensation.is_for(&first.problem) => LinearAlgebra::Condensed(first.condensation.cholesky()),
-        None => {
-            let every = InitialWorkingSet::default();
-            Choice::cheapest(&first.problem, &every, solver.method, increments, AvailableSolvers::of_process())?.linear
-        }
+        None => cheapest(&first.problem, &InitialWorkingSet::default(), solver.method, increments)?,
     };
-    if let SystemSolver::Condensed(condensation) = first.system(linear) {
+    if let SystemSolver::Condensed(condensation) = system(&first.condensation, linear) {
         // Without success, each history says why.
         let _ = Condensed::new(&first.problem, &loading, condensation);
     }
@@ -87,30 +77,46 @@ fn prepared(samples: &[Sample], solver: &SolverChoice) -> Result<LinearAlgebra, 
 /// Something was raised in Python, such as `KeyboardInterrupt`.
 struct Ended;
 
-/// Looks at signals, and tells `progress` how many more are done, until nobody sends any more.
-fn attend(done: &Receiver<()>, progress: Option<&Py<PyAny>>, raised: &Raised) {
+/// A history as a dictionary like that of `Problem.run`; one that failed has its `reason`.
+fn dictionary(py: Python<'_>, found: Solved) -> PyResult<Bound<'_, PyDict>> {
+    let reason = match found {
+        Ok((outcome, recorder)) => return exported(py, &outcome, recorder),
+        Err(reason) => reason,
+    };
+    let result = PyDict::new(py);
+    for (name, value) in [("status", "failed"), ("reason", &reason), ("records", "[]")] {
+        result.set_item(name, value)?;
+    }
+    result.set_item("free_motion", py.None())?;
+    Recorder::new(Keep::All(false), None, Raised::default()).write(&result)?;
+    Ok(result)
+}
+
+/// Looks at signals, and hands `take` the number of each history that is done and what came of it, until nobody sends any more.
+fn attend(done: &Receiver<(usize, Solved)>, take: &Py<PyAny>, raised: &Raised) {
     loop {
-        let more = match done.recv_timeout(PATIENCE) {
-            Ok(()) => 1 + done.try_iter().count(),
-            Err(RecvTimeoutError::Timeout) => 0,
+        let found = match done.recv_timeout(PATIENCE) {
+            Ok(found) => Some(found),
+            Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => return,
         };
-        let told = Python::attach(|py| {
+        if raised.is_set() {
+            // Nobody waits with what is done meanwhile.
+            continue;
+        }
+        let taken = Python::attach(|py| {
             py.check_signals()?;
-            match progress {
-                Some(progress) if more > 0 => progress.call1(py, (more,)).map(drop),
-                _ => Ok(()),
-            }
+            let Some((number, found)) = found else { return Ok(()) };
+            take.call1(py, (number, dictionary(py, found)?)).map(drop)
         });
-        if let Err(error) = told {
+        if let Err(error) = taken {
             raised.set(error);
         }
     }
 }
 
-/// Solves histories, `threads` at a time. Each is a dictionary as that of `Problem.run`; one that failed has its `reason`.
+/// Solves histories, `threads` at a time, and hands each to `take` once it is done, so that none is kept here.
 #[pyfunction]
-#[pyo3(signature = (samples, options, linear, keep, threads, progress))]
 pub(crate) fn solve_many<'py>(
     py: Python<'py>,
     samples: Vec<(PyRef<'py, Problem>, Tables<'py>)>,
@@ -118,8 +124,8 @@ pub(crate) fn solve_many<'py>(
     linear: Option<&Bound<'py, PyAny>>,
     keep: Keep,
     threads: usize,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    take: Py<PyAny>,
+) -> PyResult<()> {
     let raised = Raised::default();
     let (linear, _) = Algebra::new(linear, &raised)?.split(None);
     let solver = options.solver(linear)?;
@@ -129,44 +135,32 @@ pub(crate) fn solve_many<'py>(
         let history = tables.history(&problem.0, last)?;
         posed.push(Sample { problem: Arc::clone(&problem.0), condensation: problem.1.clone(), history });
     }
-    let solved = detached(py, || {
+    let is_whole = detached(py, || {
         let linear = prepared(&posed, &solver)?;
-        let (sender, receiver) = channel();
-        let (solver, keep, all) = (&solver, &keep, &posed);
+        // Whoever is ahead of Python waits.
+        let (sender, receiver) = sync_channel(threads);
+        let tasks: Vec<_> = posed.iter().enumerate().collect();
         // The only sender goes with the work, so that the end of it is seen.
-        let raised = raised.clone();
-        let told = raised.clone();
-        let one = move |sample: &Sample| {
-            if told.is_set() {
+        let (solver, keep, ended) = (&solver, &keep, raised.clone());
+        let one = move |(number, sample): &(usize, &Sample)| {
+            if ended.is_set() {
                 return Err(Ended);
             }
-            let found = sample.solved(solver, linear, Recorder::new(keep.clone(), None, told.clone()));
+            let found = sample.solved(solver, linear, Recorder::new(keep.clone(), None, ended.clone()));
             // Nobody listens any more only after a panic.
-            let _ = sender.send(());
-            Ok(found)
+            let _ = sender.send((*number, found));
+            Ok(())
         };
-        thread::scope(|scope| {
-            // What was raised is told in place of results.
-            let work = scope.spawn(move || parallel_map(all, threads, one).unwrap_or_default());
-            attend(&receiver, progress.as_ref(), &raised);
-            Ok(work.join().unwrap_or_else(|_| all.iter().map(|_| Err(BUG.to_string())).collect()))
-        })
+        Ok(thread::scope(|scope| {
+            let work = scope.spawn(move || drop(parallel_map(&tasks, threads, one)));
+            attend(&receiver, &take, &raised);
+            work.join().is_ok()
+        }))
     });
-    let solved: Vec<Solved> = solved.map_err(of_run)?;
-    if let Some(error) = raised.take() {
-        return Err(error);
+    let is_whole = is_whole.map_err(of_run)?;
+    match raised.take() {
+        Some(error) => Err(error),
+        None if is_whole => Ok(()),
+        None => Err(PyRuntimeError::new_err(BUG)),
     }
-    let dictionary = |found: Solved| match found {
-        Ok((outcome, recorder)) => exported(py, &outcome, recorder),
-        Err(reason) => {
-            let result = PyDict::new(py);
-            for (name, value) in [("status", "failed"), ("reason", &reason), ("records", "[]")] {
-                result.set_item(name, value)?;
-            }
-            result.set_item("free_motion", py.None())?;
-            Recorder::new(Keep::All(false), None, Raised::default()).write(&result)?;
-            Ok(result)
-        }
-    };
-    solved.into_iter().map(dictionary).collect()
 }

@@ -6,7 +6,7 @@ use crate::error::{of_linear, of_problem};
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::recorder::{Keep, Recorder, codes};
-use crate::solve::{Algebra, detached, method, watched};
+use crate::solve::{Algebra, cheapest, detached, method, watched};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -14,7 +14,7 @@ use pyo3::types::PyDict;
 use std::sync::Arc;
 use stickslip::algebra::Csr;
 use stickslip::algebra::linear::SparseCholesky;
-use stickslip::run::{AvailableSolvers, Choice, RunError};
+use stickslip::run::RunError;
 use stickslip::solver::history::{HistoryOutcome, HistorySettings, LinearAlgebra, SolverChoice, SystemSolver};
 use stickslip::solver::{
     self, Condensation, Condensed, ContactProblem, Increment, InitialWorkingSet, Loading, Parts, State,
@@ -125,18 +125,21 @@ fn prepared(
     if !solver.method.increments().is_of_paper() {
         reach = solver::working_set(problem, loading, times, solver::AFFORDABLE, condensing)?;
     }
-    let linear = if let Some(linear) = solver.linear {
-        linear
-    } else {
-        Choice::cheapest(problem, &reach, solver.method, times.len(), AvailableSolvers::of_process())?.linear
+    let linear = match solver.linear {
+        Some(linear) => linear,
+        None => cheapest(problem, &reach, solver.method, times.len())?,
     };
-    let system = match linear {
+    Ok((system(condensation, linear), HistorySettings { working_set: reach.nodes, ..settings }))
+}
+
+/// A linear system, that of a body which `condensation` condenses or has condensed if it is one of this kind.
+pub(crate) fn system(condensation: &Condensation, linear: LinearAlgebra) -> SystemSolver {
+    match linear {
         LinearAlgebra::Condensed(cholesky) if cholesky == condensation.cholesky() => {
             SystemSolver::Condensed(condensation.clone())
         }
         linear => linear.into(),
-    };
-    Ok((system, HistorySettings { working_set: reach.nodes, ..settings }))
+    }
 }
 
 /// An outcome with what was recorded of it.

@@ -82,6 +82,12 @@ struct RunOptions {
     checkpoint: Option<(PathBuf, Option<f64>)>,
 }
 
+/// Changes of a scene from their texts.
+pub(crate) fn parsed(overrides: &[String]) -> PyResult<Vec<Override>> {
+    let all = overrides.iter().map(|text| text.parse()).collect::<Result<_, _>>();
+    all.map_err(|error: OverrideSyntax| PyValueError::new_err(error.to_string()))
+}
+
 #[pyclass(frozen, module = "stickslip._core")]
 pub(crate) struct SceneModel {
     scene: Scene,
@@ -102,8 +108,7 @@ impl SceneModel {
         mesh: Option<GivenMesh<'_>>,
         files: Contents,
     ) -> PyResult<Self> {
-        let overrides = overrides.iter().map(|text| text.parse()).collect::<Result<Vec<Override>, _>>();
-        let overrides = overrides.map_err(|error: OverrideSyntax| PyValueError::new_err(error.to_string()))?;
+        let overrides = parsed(&overrides)?;
         let mesh = mesh.map(GivenMesh::mesh).transpose()?;
         let read = || {
             let mut scene = Scene::parse(name, text, &overrides).map_err(of_scene)?;
@@ -142,11 +147,6 @@ impl SceneModel {
         self.model.times().to_vec()
     }
 
-    #[getter]
-    fn tolerance(&self) -> f64 {
-        self.scene.solver.tolerance
-    }
-
     fn points<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         table(py, self.model.mesh.nodes.len(), self.model.mesh.nodes.as_flattened().to_vec())
     }
@@ -154,10 +154,6 @@ impl SceneModel {
     /// Kind, nodes and group of each cell, in the order of the mesh.
     fn cells(&self) -> Vec<(&'static str, Vec<usize>, usize)> {
         self.model.mesh.cells.iter().map(|cell| (kind_name(cell.kind), cell.nodes.clone(), cell.group)).collect()
-    }
-
-    fn groups(&self) -> Vec<String> {
-        self.model.mesh.groups.clone()
     }
 
     /// Node and position of each contact node.
@@ -305,7 +301,6 @@ impl SceneModel {
         result.set_item("records", serde_json::to_string(&report.increments).map_err(json)?)?;
         result.set_item("report", report.to_json().map_err(json)?)?;
         result.set_item("unsaved", recorder.unsaved.take())?;
-        result.set_item("factorizations", report.totals.factorizations)?;
         recorder.write(&result)?;
         Ok(result)
     }

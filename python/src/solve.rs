@@ -11,8 +11,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::process;
 use std::sync::OnceLock;
 use stickslip::algebra::keep_in_this_thread;
-use stickslip::run::RunError;
+use stickslip::run::{AvailableSolvers, Choice, RunError};
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, SystemSolver};
+use stickslip::solver::{ContactProblem, InitialWorkingSet};
 
 /// The linear algebra that was asked for.
 pub(crate) enum Algebra {
@@ -54,6 +55,16 @@ impl Algebra {
             Algebra::Foreign(solver) => (Some(LinearAlgebra::default()), Some(SystemSolver::from(solver as Box<_>))),
         }
     }
+}
+
+/// The cheapest linear algebra for so many increments.
+pub(crate) fn cheapest(
+    problem: &ContactProblem,
+    reach: &InitialWorkingSet,
+    method: HistoryMethod,
+    increments: usize,
+) -> Result<LinearAlgebra, RunError> {
+    Ok(Choice::cheapest(problem, reach, method, increments, AvailableSolvers::of_process())?.linear)
 }
 
 /// A method with its setting, as scenes call them.

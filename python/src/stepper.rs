@@ -5,12 +5,12 @@ use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::problem::{Options, Problem, exported};
 use crate::recorder::{Keep, Recorder};
-use crate::solve::{Algebra, watched};
+use crate::solve::{Algebra, cheapest, watched};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::{Arc, Mutex, MutexGuard};
-use stickslip::run::{AvailableSolvers, Choice, RunError};
+use stickslip::run::RunError;
 use stickslip::solver::history::{self, SolverChoice, StepperState, SystemSolver};
 use stickslip::solver::{ContactProblem, InitialWorkingSet, Loading};
 
@@ -56,10 +56,7 @@ impl Stepper {
             (Some(own), _) => own,
             (None, Some(linear)) => linear.into(),
             (None, None) => {
-                let every = InitialWorkingSet::default();
-                Choice::cheapest(&self.problem, &every, self.solver.method, EXPECTED, AvailableSolvers::of_process())?
-                    .linear
-                    .into()
+                cheapest(&self.problem, &InitialWorkingSet::default(), self.solver.method, EXPECTED)?.into()
             }
         };
         Ok(Steps::new(Arc::clone(&self.problem), settings, system)?)

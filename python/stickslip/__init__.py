@@ -6,24 +6,25 @@ SI units throughout; in two dimensions forces are per m of depth.
     results = stickslip.sweep("block.toml", {"contact.friction": [0.3, 0.5]})
     study = stickslip.converge("block.toml", "peak", to=0.02)
     result = stickslip.ContactProblem(K, C_n, C_t, mu=0.3).solve(force, gap=1e-5)
-    errors = stickslip.errors(problem, force, u, p_n, p_t, gap=1e-5)
+    errors = stickslip.measure(problem, force, u, p_n, p_t, gap=1e-5)
     table = stickslip.compare(model, {"mine": my_solver})
 """
 
 from . import builder, exchange, mesh, newton, siconos
 from ._cite import cite
 from ._core import UMFPACK, VERSION as __version__, keep_freed_memory
-from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, SceneError, StickslipError
+from ._errors import AccuracyWarning, NotConvergedWarning, SceneError, StickslipError
 from ._compare import Comparison, compare
 from ._converge import Convergence, converge
-from ._condensed import CondensedProblem
 from ._fields import Svg
-from ._judge import Errors, Posed, Verdict, errors, judge
+from ._kinds import LAWS, OPEN, SLIP, STICK
+from ._gone import refuse_old_names
+from ._judge import Errors, Posed, Verdict, judge, measure
 from ._many import Results
 from ._options import LinearSolver
-from ._problem import ContactProblem
-from ._result import LAWS, OPEN, SLIP, STICK, Result
-from ._scene import Model, run
+from ._problem import CondensedProblem, ContactProblem
+from ._result import NotConverged, Result
+from ._scene import Model, load, run
 from ._stepper import Stepper, StepperState
 from ._sweep import Sweep, sweep
 from .builder import Scene
@@ -33,6 +34,9 @@ __all__ = [
     "AccuracyWarning", "Comparison", "Convergence", "CondensedProblem", "ContactProblem", "Errors", "LinearSolver", "Model", "NotConverged",
     "NotConvergedWarning", "Posed", "Result", "Results", "Scene", "SceneError", "Stepper", "StepperState", "StickslipError",
     "Svg", "Sweep", "Verdict",
-    "__version__", "builder", "cite", "compare", "converge", "errors", "exchange", "judge", "keep_freed_memory", "mesh",
+    "__version__", "builder", "cite", "compare", "converge", "exchange", "judge", "keep_freed_memory", "load", "measure", "mesh",
     "newton", "run", "siconos", "sweep",
 ]
+
+refuse_old_names()
+del refuse_old_names

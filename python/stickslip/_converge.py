@@ -34,10 +34,10 @@ class Convergence:
         "peak", "force", "friction_work" or "stick_ratio".
     unit : str
         Its SI unit.
-    verdict : str
+    status : str
         "known", or why not: "warned", "singular", "not-converged", "run-limit", "time-limit", "no-finer-mesh" or "memory-limit".
     message : str
-        The verdict in words, with numbers in the units of the scene and the cure.
+        The status in words, with numbers in the units of the scene and the cure.
     value : float or None
         The value of the last run.
     uncertainty : float or None
@@ -67,7 +67,7 @@ class Convergence:
 
     quantity: str
     unit: str
-    verdict: str
+    status: str
     message: str
     value: float | None
     uncertainty: float | None
@@ -86,7 +86,7 @@ class Convergence:
     @property
     def known(self) -> bool:
         """True if the quantity is known to the asked share."""
-        return self.verdict == "known"
+        return self.status == "known"
 
     def svg(self) -> Svg:
         """The chart: the value of each run, the extrapolated value, the uncertainty.
@@ -104,7 +104,7 @@ class Convergence:
         return pandas.DataFrame(self.runs)
 
     def __repr__(self) -> str:
-        return f"<Convergence {self.verdict}: {self.message}>"
+        return f"<Convergence {self.status}: {self.message}>"
 
     def _repr_html_(self) -> str:
         return f"<div><p>{html.escape(self.message)}</p>{self._svg}</div>"
@@ -169,7 +169,7 @@ def converge(
     --------
     >>> import stickslip as ss
     >>> study = ss.converge(ss.Scene.example("block"), "peak", max_runs=3, overrides={"mesh.elements": [20, 10]})
-    >>> study.verdict, len(study.runs)
+    >>> study.status, len(study.runs)
     ('run-limit', 3)
     """
     if quantity not in get_args(Quantity):
@@ -212,5 +212,5 @@ def converge(
         if bar is not None:
             bar.close()
     found = json.loads(study)
-    found["message"] = in_python(found["message"])
+    found["status"], found["message"] = found["verdict"], in_python(found["message"])
     return Convergence(**{key: found[key] for key in Convergence.__dataclass_fields__ if key in found}, _svg=chart)

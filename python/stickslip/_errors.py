@@ -3,10 +3,7 @@
 from __future__ import annotations
 
 import re
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from ._result import Result
+from typing import Any
 
 #: What the program says, and what this module says in its place.
 _WORDS = (
@@ -86,17 +83,7 @@ class SceneError(StickslipError, ValueError):
         return type(self), (self.message, self.file, self.line, self.key, self.help)
 
     def _in_python(self, has_text: bool) -> SceneError:
-        """The error in words of this module.
-
-        Parameters
-        ----------
-        has_text : bool
-            Whether a text was read, which has lines, or a dictionary or a `Scene`.
-
-        Returns
-        -------
-        SceneError
-        """
+        """The error in words of this module; `has_text` if a text was read, which has lines, and no dictionary or `Scene`."""
         file, line = (in_python(self.file) if self.file else None, self.line) if has_text else (None, None)
         message, help = in_python(self.message), in_python(self.help)
         key = self.key
@@ -110,23 +97,6 @@ class SceneError(StickslipError, ValueError):
             help = re.sub(r"write `\[\[\w+\]\]`", "give a list of dictionaries", help)
             help = re.sub(r"write `\[\w+\]`", "give a dictionary", help)
         return SceneError(message, file, line, key, help)
-
-
-class NotConverged(StickslipError, RuntimeError):
-    """Raised by `Result.check`.
-
-    Attributes
-    ----------
-    result : Result
-        What was reached.
-    """
-
-    def __init__(self, message: str, result: Result) -> None:
-        super().__init__(message)
-        self.result = result
-
-    def __reduce__(self) -> Any:
-        return type(self), (self.args[0], self.result)
 
 
 class NotConvergedWarning(UserWarning):

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import operator
 import os
+from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,10 +17,23 @@ from ._kinds import VTK
 from ._options import path_of
 from ._words import counted
 
-if TYPE_CHECKING:
-    from ._scene import Model
-
 Array = NDArray[Any]
+
+
+class _Body(Protocol):
+    """The parts of a `Model` that its results need."""
+
+    _core: Any
+    dimension: int
+    problem: Any
+    points: Array
+    cells: list[tuple[str, Array]]
+    contact_nodes: Array
+    contact_points: Array
+    boundaries: dict[str, Array]
+
+    def displacement(self, u: Any, t: float) -> Array: ...
+    def stress(self, u: Any, t: float) -> Array: ...
 
 
 class Svg(str):
@@ -60,26 +74,30 @@ _SUBSTITUTES = {
 }
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Fields:
-    """The part of `Result` that needs its model."""
+    """The arrays of a `Result`, and what needs its model."""
 
-    if TYPE_CHECKING:
-        t: Array
-        p_n: Array
-        p_t: Array
-        contact: Array
-        gap: Array
-        mu: Array
-        w_t_last: Array
-        kept: tuple[int, ...]
-        u: Array
-        u_rest: Array
-        force: Array
-        records: list[dict[str, Any]]
-        report: dict[str, Any]
-        model: Model | None
+    status: str
+    reason: str
+    t: Array
+    p_n: Array
+    p_t: Array
+    contact: Array
+    gap: Array
+    mu: Array
+    w_t_last: Array
+    errors: Array
+    kept: tuple[int, ...]
+    u: Array
+    u_rest: Array
+    force: Array
+    records: list[dict[str, Any]]
+    iterations: Array
+    report: dict[str, Any]
+    model: _Body | None
 
-    def _model(self, wanted: str = "") -> Model:
+    def _model(self, wanted: str = "") -> _Body:
         """The model, for what is `wanted`."""
         if self.model is None:
             cure = f"; {_SUBSTITUTES[wanted]}" if wanted else ""

@@ -14,17 +14,17 @@ if TYPE_CHECKING:
 
 
 def tables(
-    problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, gap: ArrayLike, drift: ArrayLike | None,
-    mu: ArrayLike | None, times: ArrayLike | None, names: tuple[str, str, str] = ("force", "gap", "mu"),
+    problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, gap: ArrayLike, drift: ArrayLike,
+    mu: ArrayLike | None, t: ArrayLike | None, names: tuple[str, str, str] = ("force", "gap", "mu"),
 ) -> tuple[ContactProblem, dict[str, Any]]:
     """The problem with the friction of this history, and the history; `names` are those of force, gap and mu in errors."""
-    return posed(problem, forces(problem, force, factors, names[0]), gap, drift, mu, times, names[1:])
+    return posed(problem, forces(problem, force, factors, names[0]), gap, drift, mu, t, names[1:])
 
 
 def forces(problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None, name: str = "force") -> tuple[Array, Array]:
     """Loads, (loads, n_u), and their factors, (m, loads)."""
     loads = np.atleast_2d(finite(name, force))
-    if loads.ndim != 2 or loads.shape[1] != problem.n_u or not len(loads):
+    if loads.ndim != 2 or loads.shape[1] != problem.n_u or not len(loads) and factors is None:
         raise ValueError(f"{name} has the shape {loads.shape}, expected (..., {problem.n_u})")
     if factors is None:
         return few_loads(np.ascontiguousarray(loads))
@@ -36,27 +36,19 @@ def forces(problem: ContactProblem, force: ArrayLike, factors: ArrayLike | None,
 
 
 def posed(
-    problem: ContactProblem, loads: tuple[Array, Array], gap: ArrayLike, drift: ArrayLike | None, mu: ArrayLike | None,
-    times: ArrayLike | None, names: tuple[str, str] = ("gap", "mu"),
+    problem: ContactProblem, loads: tuple[Array, Array], gap: ArrayLike, drift: ArrayLike, mu: ArrayLike | None,
+    t: ArrayLike | None, names: tuple[str, str] = ("gap", "mu"),
 ) -> tuple[ContactProblem, dict[str, Any]]:
     """`tables` of loads that are checked already."""
     m, n_c, d = len(loads[1]), problem.n_c, problem.tangents
-    ends = np.arange(1.0, m + 1) / m if times is None else vector("times", times, m)
-    if ends[0] <= 0 or (np.diff(ends) <= 0).any():
-        raise ValueError("times must increase from above 0")
+    ends = np.arange(1.0, m + 1) / m if t is None else times("t", t, m)
     gaps = finite(names[0], gap)
     if gaps.shape not in ((), (n_c,), (m + 1, n_c)):
         raise ValueError(f"{names[0]} has the shape {gaps.shape}, expected {rows_or_row((m + 1, n_c))}")
     if gaps.ndim < 2:
         gaps = vector(names[0], gaps, n_c)[None]
-    drifts: list[Array | None] = [None, None]
-    if drift is not None:
-        array = finite("drift", drift)
-        array = array[:, :, None] if array.ndim == 2 else array
-        if array.shape != (m, n_c, d):
-            raise ValueError(f"drift has the shape {array.shape}, expected {(m, n_c, d)}")
-        for k in range(d):
-            drifts[k] = np.ascontiguousarray(array[:, :, k])
+    moved = motion("drift", drift, (m, n_c, d))
+    drifts = [np.ascontiguousarray(moved[:, :, k]) if k < d and moved[:, :, k].any() else None for k in range(2)]
     rows = None
     if mu is not None:
         problem, rows = changing(problem, numbers(names[1], mu, (m, n_c)), names[1])
@@ -64,6 +56,26 @@ def posed(
         "times": ends.tolist(), "forces": loads[0], "factors": loads[1],
         "gap": np.ascontiguousarray(gaps), "drift": drifts, "mu": rows,
     }
+
+
+def times(name: str, t: ArrayLike, increments: int) -> Array:
+    """The ends of increments."""
+    ends = vector(name, t, increments)
+    if ends[0] <= 0 or (np.diff(ends) <= 0).any():
+        raise ValueError(f"{name} must increase from above 0")
+    return ends
+
+
+def motion(name: str, drift: ArrayLike, shape: tuple[int, int, int]) -> Array:
+    """The motion of obstacles, (m, n_c, d), of a number, of a table without tangents, or of a part that is repeated."""
+    array = finite(name, drift)
+    array = array[:, :, None] if array.ndim == 2 else array
+    try:
+        if array.ndim in (0, 3):
+            return np.broadcast_to(array, shape)
+    except ValueError:
+        pass
+    raise ValueError(f"{name} has the shape {np.shape(drift)}, expected a number, {shape[:2]} or {shape}")
 
 
 def changing(problem: ContactProblem, coefficients: Array, name: str) -> tuple[ContactProblem, Array | None]:

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._arrays import finite, forces_of, not_masked, numbers, tangential, vector
 from ._errors import NotConvergedWarning
-from ._history import changing
+from ._history import changing, motion, times
+from ._kinds import LAWS
 from ._problem import ContactProblem
-from ._result import LAWS, Result
+from ._result import Result
 from ._scene import Model
 from ._words import violation
 from .builder import Scene
@@ -46,9 +47,9 @@ class Errors:
     --------
     >>> import numpy as np, stickslip as ss
     >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
-    >>> ss.errors(problem, [0.0, -100.0], u=[0.0, -1e-4], p_n=[0.0])
+    >>> ss.measure(problem, [0.0, -100.0], u=[0.0, -1e-4], p_n=[0.0])
     <Errors: penetration violated by 1.0e+00>
-    >>> ss.errors(problem, [0.0, 0.0], u=[0.0, 0.0], p_n=[0.0])
+    >>> ss.measure(problem, [0.0, 0.0], u=[0.0, 0.0], p_n=[0.0])
     <Errors: largest error 0.0e+00 (equilibrium)>
     """
 
@@ -62,16 +63,20 @@ class Errors:
     scales: tuple[float, ...]
 
     @property
-    def worst(self) -> tuple[str, float]:
-        """The law that is violated most, and its error; NaN is larger than anything."""
-        laws = [(law, float(getattr(self, law))) for law in LAWS]
-        return max(laws, key=lambda item: np.inf if np.isnan(item[1]) else item[1])
+    def law(self) -> str:
+        """The law that is violated most; NaN is larger than anything."""
+        return LAWS[int(np.argmax([getattr(self, law) for law in LAWS]))]
+
+    @property
+    def error(self) -> float:
+        """The error of this law, the largest of all."""
+        return float(getattr(self, self.law))
 
     def __repr__(self) -> str:
-        return f"<Errors: {violation(*self.worst)}>"
+        return f"<Errors: {self._repr_html_()}>"
 
     def _repr_html_(self) -> str:
-        return violation(*self.worst)
+        return violation(self.law, self.error)
 
 
 def _tangential(name: str, problem: ContactProblem, values: ArrayLike | None) -> list[Array]:
@@ -80,7 +85,7 @@ def _tangential(name: str, problem: ContactProblem, values: ArrayLike | None) ->
     return [np.ascontiguousarray(array[:, k]) if k < d else np.zeros(n_c) for k in range(2)]
 
 
-def errors(
+def measure(
     problem: ContactProblem, force: ArrayLike, u: ArrayLike | tuple[ArrayLike, ArrayLike], p_n: ArrayLike,
     p_t: ArrayLike | None = None, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None,
     mu: ArrayLike | None = None, scales: Sequence[float] = (),
@@ -121,8 +126,8 @@ def errors(
     --------
     >>> import numpy as np, stickslip as ss
     >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
-    >>> judged = ss.errors(problem, [40.0, -100.0], u=[5e-6, 0.0], p_n=[100.0], p_t=[30.0])
-    >>> judged.worst[1] < 1e-12, bool(judged.contact[0] == ss.SLIP)
+    >>> judged = ss.measure(problem, [40.0, -100.0], u=[5e-6, 0.0], p_n=[100.0], p_t=[30.0])
+    >>> judged.error < 1e-12, bool(judged.contact[0] == ss.SLIP)
     (True, True)
     """
     if not isinstance(problem, ContactProblem):
@@ -164,7 +169,7 @@ class Posed:
         Friction coefficients at its end.
     last : tuple of arrays
         The solver's own last answer (u, p_n, p_t); zeros at first.
-    index : int
+    increment : int
         Its number, from 1.
     cache : dict
         The same for all increments, for factors and the like; a pickle has what is in it.
@@ -173,7 +178,7 @@ class Posed:
     --------
     >>> import numpy as np, stickslip as ss
     >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
-    >>> ss.judge(problem, lambda posed: print(posed), history={"force": [[40.0, -100.0]]}).remark
+    >>> ss.judge(problem, lambda posed: print(posed), history={"force": [[40.0, -100.0]]}).reason
     <Posed increment 1 of <ContactProblem 2 displacements, 1 contact node, 1 tangent>>
     'increment 1: TypeError: cannot unpack non-iterable NoneType object'
     """
@@ -184,11 +189,11 @@ class Posed:
     w_t_last: Array
     mu: Array
     last: tuple[Array, Array, Array]
-    index: int = 1
+    increment: int = 1
     cache: dict[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        return f"<Posed increment {self.index} of {self.problem!r}>"
+        return f"<Posed increment {self.increment} of {self.problem!r}>"
 
 
 #: Anybody's solver: an increment in, (u, p_n, p_t) out.
@@ -211,15 +216,15 @@ class Verdict:
         Where, from 1.
     seconds : float
         CPU time of the solver, s.
-    holds : bool
+    converged : bool
         Whether the error is within the tolerance.
     errors : (m, 6) array
         By increment, columns `LAWS`.
     p_n, p_t : (m, n_c) and (m, n_c, d) arrays
         Contact forces, N.
-    remark : str
-        What the solver raised, or that its answer was not finite. "not applicable: ...", with an error that is NaN and no rows of
-        errors, where a method of this module does not solve such a problem.
+    reason : str
+        Why it ended early: what the solver raised, or that its answer was not finite. "not applicable: ...", with an error that
+        is NaN and no rows of errors, where a method of this module does not solve such a problem.
 
     Examples
     --------
@@ -236,23 +241,23 @@ class Verdict:
     law: str
     increment: int
     seconds: float
-    holds: bool
+    converged: bool
     errors: Array
     p_n: Array
     p_t: Array
-    remark: str = ""
+    reason: str = ""
 
     def __repr__(self) -> str:
         at = f"in increment {self.increment}"
         if not len(self.errors):
             words = "no answer"
-        elif self.holds:
-            words = f"holds, {violation(self.law, self.error, within=self.error)} {at}"
-        elif np.isfinite(self.error) or not self.remark:
+        elif self.converged:
+            words = f"converged, {violation(self.law, self.error, within=self.error)} {at}"
+        elif np.isfinite(self.error) or not self.reason:
             words = f"WRONG, {violation(self.law, self.error, within=0.0)} {at}"
         else:
             words = "WRONG"
-        return f"<Verdict on {self.name}: {words}{'; ' if self.remark else ''}{self.remark}>"
+        return f"<Verdict on {self.name}: {words}{'; ' if self.reason else ''}{self.reason}>"
 
 
 def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | None) -> dict[str, Array]:
@@ -264,27 +269,25 @@ def history_of(of: Model | ContactProblem, history: Mapping[str, ArrayLike] | No
         raise TypeError(f"history: a dictionary expected, such as that of Model.history, {type(history).__name__} found")
     if history is None:
         if not isinstance(of, Model):
-            raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu")
+            raise ValueError("history: a problem of matrices needs one, with the keys force and, if need be, gap, drift, mu, t")
         return of.history
     problem = of.problem if isinstance(of, Model) else of
-    unknown = set(history) - {"force", "gap", "drift", "mu", "cases", "factors"}
-    if unknown or "force" not in history:
-        raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu")
+    if not {"force"} <= set(history) <= {"force", "gap", "drift", "mu", "t"}:
+        raise ValueError(f"history has the keys {sorted(history)}, expected force and, if need be, gap, drift, mu, t")
     force = np.atleast_2d(finite("history['force']", history["force"]))
     if force.ndim != 2 or force.shape[1] != problem.n_u:
         raise ValueError(f"history['force'] has the shape {np.shape(history['force'])}, expected {(len(force), problem.n_u)}")
     if not len(force):
         raise ValueError("history['force'] has no increments")
     m, n_c, d = len(force), problem.n_c, problem.tangents
-    drift = finite("history['drift']", history.get("drift", 0.0))
-    if drift.shape == (m, n_c):
-        drift = drift.reshape(m, n_c, 1)
     tables = {
         "force": force,
         "gap": numbers("history['gap'], which begins before the first increment,", history.get("gap", 0.0), (m + 1, n_c)),
-        "drift": numbers("history['drift']", drift, (m, n_c, d)),
+        "drift": motion("history['drift']", history.get("drift", 0.0), (m, n_c, d)),
         "mu": numbers("history['mu']", history.get("mu", problem.mu), (m, n_c)),
     }
+    if "t" in history:
+        tables["t"] = times("history['t']", history["t"], m)
     changing(problem, tables["mu"], "history['mu']")
     # Copies: a solver may write into the arrays that the history was made of.
     return {name: table.copy() for name, table in tables.items()}
@@ -300,22 +303,13 @@ class _NotApplicable(ValueError):
 
 def _own(of: Model | ContactProblem, word: str, history: Mapping[str, ArrayLike] | None, data: Mapping[str, Array]) -> Result:
     """A history by this module."""
-    times: Array | None = None
-    if isinstance(of, Model):
-        if history is None and word == "stickslip":
-            return _applicable(of.run(_stacklevel=6))
-        times = of.times if len(of.times) == len(data["force"]) else None
-        of = of.problem
-    if word == "events" and (data["mu"] != data["mu"][0]).any():
+    if history is None and word == "stickslip" and isinstance(of, Model):
+        result = of.run()
+    elif word == "events" and (data["mu"] != data["mu"][0]).any():
         raise _NotApplicable("mu: friction that changes is solved by the methods bn and ip")
-    result = of.solve(
-        data["force"], gap=data["gap"], drift=data["drift"] if of.tangents else None, mu=data["mu"], times=times,
-        method=cast("Method", "bn" if word == "stickslip" else word),
-    )
-    return _applicable(result)
-
-
-def _applicable(result: Result) -> Result:
+    else:
+        problem, method = of.problem if isinstance(of, Model) else of, cast("Method", "bn" if word == "stickslip" else word)
+        result = problem.solve(data["force"], gap=data["gap"], drift=data["drift"], mu=data["mu"], t=data.get("t"), method=method)
     if result.status == "unsupported":
         raise _NotApplicable(result.reason)
     return result
@@ -327,7 +321,7 @@ def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) 
     scales: tuple[float, ...] = ()
     increments = list(zip(data["force"], data["gap"][1:], data["mu"]))
     for k, (force, gap, mu) in enumerate(increments[: len(result.t)]):
-        judged = errors(
+        judged = measure(
             problem, force, (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k], gap=gap,
             w_t_last=result.w_t_last[k], mu=mu, scales=scales,
         )
@@ -337,7 +331,7 @@ def _judged(problem: ContactProblem, result: Result, data: Mapping[str, Array]) 
         return rows, ""
     if len(rows) < len(increments):
         rows.append([np.inf] * 6)
-    return rows, result._verdict()
+    return rows, result.message
 
 
 def tolerated(tolerance: object) -> None:
@@ -371,8 +365,8 @@ def judge(
         Called with a `Posed` increment; hands back (u, p_n, p_t). Or a word: "bn", "ip" and "events" are stickslip's on the
         matrices, "stickslip" the run of the model as its scene says.
     history : mapping, optional
-        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c). The `Model.history` of a
-        model is one; its ``cases`` and ``factors`` are ignored.
+        force (m, n_u), N, and, if need be, gap (m + 1, n_c), m, drift (m, n_c, d), m, mu (m, n_c), t (m,), s. The `Model.history`
+        of a model is one.
     name : str, optional
         Of the solver; the word, or "solver", without it.
     tolerance : float
@@ -381,7 +375,7 @@ def judge(
     Returns
     -------
     Verdict
-        Arithmetic and lookup errors of the solver, `RuntimeError`, `TypeError` and `ValueError` are in its `remark`.
+        Arithmetic and lookup errors of the solver, `RuntimeError`, `TypeError` and `ValueError` are in its `reason`.
 
     Raises
     ------
@@ -396,7 +390,7 @@ def judge(
     ...     result = posed.problem.solve_increment(posed.force, gap=posed.gap, w_t_last=posed.w_t_last, method="ip")
     ...     return result.u[0], result.p_n[0], result.p_t[0]
     >>> history = {"force": [[0.0, -100.0], [40.0, -100.0]]}
-    >>> ss.judge(problem, mine, history=history).holds, ss.judge(problem, "ip", history=history).holds
+    >>> ss.judge(problem, mine, history=history).converged, ss.judge(problem, "ip", history=history).converged
     (True, True)
     """
     known("solver", solver)
@@ -410,10 +404,10 @@ def verdict_on(
     of: Model | ContactProblem, solver: Solver | str, history: Mapping[str, ArrayLike] | None, data: dict[str, Array], name: str,
     tolerance: float, refuse: bool = False,
 ) -> Verdict:
-    """`judge` with the tables of the history; `refuse` a method that is not applicable, or remark it."""
+    """`judge` with the tables of the history; `refuse` a method that is not applicable, or say it as the reason."""
     problem = of.problem if isinstance(of, Model) else of
     if isinstance(solver, str):
-        start, remark = time.process_time(), ""
+        start, reason = time.process_time(), ""
         p_n, p_t = np.zeros((0, problem.n_c)), np.zeros((0, problem.n_c, problem.tangents))
         try:
             with warnings.catch_warnings():
@@ -421,7 +415,7 @@ def verdict_on(
                 warnings.simplefilter("ignore", NotConvergedWarning)
                 result = _own(of, solver, history, data)
             seconds = time.process_time() - start
-            rows, remark = _judged(problem, result, data)
+            rows, reason = _judged(problem, result, data)
             p_n, p_t = result.p_n, result.p_t
         except _NotApplicable as raised:
             if refuse:
@@ -429,13 +423,13 @@ def verdict_on(
             return Verdict(name, np.nan, "no answer", 1, 0.0, False, np.zeros((0, 6)), p_n, p_t, f"not applicable: {raised}")
         except (ArithmeticError, RuntimeError, ValueError) as raised:
             seconds = time.process_time() - start
-            rows, remark = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
-        return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
+            rows, reason = [[np.inf] * 6], f"{type(raised).__name__}: {raised}"
+        return _verdict(name, rows, seconds, p_n, p_t, reason, tolerance)
     n_c, d = problem.n_c, problem.tangents
     answer = (np.zeros(problem.n_u), np.zeros(n_c), np.zeros((n_c, d)))
     slip, drift = np.zeros((n_c, d)), np.zeros((n_c, d))
     scales: tuple[float, ...] = ()
-    cache, seconds, remark = dict[str, Any](), 0.0, ""
+    cache, seconds, reason = dict[str, Any](), 0.0, ""
     rows = list[list[float]]()
     forces: list[tuple[Array, Array]] = []
     for k, (force, gap, moved, mu) in enumerate(zip(data["force"], data["gap"][1:], data["drift"], data["mu"])):
@@ -448,9 +442,9 @@ def verdict_on(
             u, p_n, p_t = solver(posed)
             seconds += time.process_time() - start
             answer = (_real("u", u), _real("p_n", p_n), _real("p_t", p_t).reshape(n_c, d))
-            judged = errors(problem, force, *answer, gap=gap, w_t_last=w, mu=mu, scales=scales)
+            judged = measure(problem, force, *answer, gap=gap, w_t_last=w, mu=mu, scales=scales)
         except (ArithmeticError, LookupError, RuntimeError, TypeError, ValueError) as raised:
-            remark = f"increment {k + 1}: {type(raised).__name__}: {raised}"
+            reason = f"increment {k + 1}: {type(raised).__name__}: {raised}"
             rows.append([np.inf] * 6)
             break
         scales = judged.scales
@@ -459,7 +453,7 @@ def verdict_on(
         forces.append((answer[1], answer[2]))
     p_n = np.array([p_n for p_n, _ in forces]).reshape(-1, n_c)
     p_t = np.array([p_t for _, p_t in forces]).reshape(-1, n_c, d)
-    return _verdict(name, rows, seconds, p_n, p_t, remark, tolerance)
+    return _verdict(name, rows, seconds, p_n, p_t, reason, tolerance)
 
 
 def _real(name: str, values: Any) -> Array:
@@ -470,10 +464,10 @@ def _real(name: str, values: Any) -> Array:
 
 
 def _verdict(
-    name: str, rows: list[list[float]], seconds: float, p_n: Array, p_t: Array, remark: str, tolerance: float
+    name: str, rows: list[list[float]], seconds: float, p_n: Array, p_t: Array, reason: str, tolerance: float
 ) -> Verdict:
     table = np.array(rows)
     at = np.unravel_index(int(np.argmax(np.where(np.isnan(table), np.inf, table))), table.shape)
     error = float(table[at])
-    law = LAWS[at[1]] if np.isfinite(error) or not remark else "no answer"
-    return Verdict(name, error, law, int(at[0]) + 1, seconds, bool(error <= tolerance), table, p_n, p_t, remark)
+    law = LAWS[at[1]] if np.isfinite(error) or not reason else "no answer"
+    return Verdict(name, error, law, int(at[0]) + 1, seconds, bool(error <= tolerance), table, p_n, p_t, reason)

@@ -1,4 +1,4 @@
-"""Kinds of cells by the names of meshio: their sides, their numbers in other programs, their orientation."""
+"""Laws and statuses of contact, and kinds of cells by the names of meshio: their sides, numbers in other programs, orientation."""
 
 from __future__ import annotations
 
@@ -10,6 +10,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]
+
+#: The status of a node that does not touch.
+OPEN: int = 0
+#: The status of a node that touches and does not slide.
+STICK: int = 1
+#: The status of a node that slides.
+SLIP: int = 2
+
+#: The laws of the error measure, in the order of the columns of `Result.errors`.
+LAWS: tuple[str, ...] = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
 
 #: The sides of each kind of cell, corners first, then the nodes in the middle of their edges.
 SIDES: dict[str, tuple[tuple[int, ...], ...]] = {

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import numbers
-import os
-import warnings
-from collections.abc import Sequence
+import copy
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any, SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
 
 from . import _core, _history
-from ._errors import NotConverged, NotConvergedWarning
+from ._errors import NotConvergedWarning
+from ._kinds import LAWS
 from ._linear import Checked
-from ._options import core_options, keep
-from ._result import LAWS, Result
-from ._words import counted, few, reason_of
+from ._options import called, core_options, keep, processors
+from ._result import NotConverged, Result
+from ._words import counted, few, reason_of, warn
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from ._options import Several
     from ._problem import ContactProblem
 
@@ -49,25 +50,32 @@ class Results(list[Result]):
     def __getitem__(self, k: SupportsIndex, /) -> Result: ...
 
     @overload
-    def __getitem__(self, k: slice, /) -> Results: ...
+    def __getitem__(self, k: slice, /) -> Self: ...
 
-    def __getitem__(self, k: SupportsIndex | slice, /) -> Result | Results:
+    def __getitem__(self, k: SupportsIndex | slice, /) -> Result | Self:
         if not isinstance(k, slice):
             return super().__getitem__(k)
-        part = Results(super().__getitem__(k))
-        part._sizes = self._sizes
+        part = copy.copy(self)
+        part[:] = super().__getitem__(k)
+        part._cut(k)
         return part
+
+    def _cut(self, k: slice) -> None:
+        """Leaves of what goes with each result that of the part k."""
 
     @property
     def converged(self) -> NDArray[np.bool_]:
         """True for each history that converged, (N,)."""
         return np.array([result.converged for result in self], dtype=bool)
 
-    def check(self) -> Results:
+    def _name(self, k: int) -> str:
+        return f"history {k}"
+
+    def check(self) -> Self:
         """Itself; raises `NotConverged` with the first result that did not converge, if there is one."""
         for k, result in enumerate(self):
             if not result.converged:
-                raise NotConverged(f"history {k}: {result._verdict()}", result)
+                raise NotConverged(f"{self._name(k)}: {result.message}", result)
         return self
 
     def stack(self, name: str) -> Array:
@@ -88,6 +96,8 @@ class Results(list[Result]):
         ------
         KeyError
             `name` is no such array.
+        ValueError
+            The results are of different meshes.
         """
         names = (*_ROWS, "u", "friction_work")
         if name not in names:
@@ -98,6 +108,8 @@ class Results(list[Result]):
         rows = max((len(array) for array in arrays), default=0)
         n_u, n_c, d = self._sizes
         empty = {"t": (), "errors": (len(LAWS),), "p_t": (n_c, d), "w_t_last": (n_c, d), "u": (n_u,)}.get(name, (n_c,))
+        if len({array.shape[1:] for array in arrays if len(array)}) > 1:
+            raise ValueError(f"{name} has other shapes in some results, as of other meshes, and is no one array")
         width = next((array.shape[1:] for array in arrays if len(array)), arrays[0].shape[1:] if arrays else empty)
         kind = np.uint8 if name == "contact" else np.float64
         stacked = np.full((len(self), rows, *width), 255 if name == "contact" else np.nan, dtype=kind)
@@ -158,9 +170,9 @@ def _histories(
 
 
 def solve(
-    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None],
-    keep_u: str | bool | Sequence[int], threads: int | None, progress: bool, options: dict[str, Any],
-) -> Results:
+    problem: ContactProblem, shared: tuple[Any, ...], several: dict[str, Several | None], reduce: Callable[[Result], Any] | None,
+    keep_u: str | Sequence[int], workers: int | None, progress: bool, options: dict[str, Any],
+) -> Any:
     """`ContactProblem.solve_many`."""
     histories = _histories(problem, shared, several)
     if options.get("linear") is None:
@@ -170,36 +182,36 @@ def solve(
         raise TypeError(f"linear: {linear.name} is one solver, which cannot work for several histories at once; a word expected")
     if core["method"] == "events" and (changing := [k for k, (_, tables) in enumerate(histories) if tables["mu"] is not None]):
         raise ValueError(f"mus[{changing[0]}] changes in time, which the method events does not follow; take bn or ip")
-    if threads is None:
-        threads = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if not isinstance(threads, numbers.Integral):
-        raise TypeError(f"threads is {threads!r}, expected a whole number")
-    if not 1 <= threads < 2**16:
-        raise ValueError(f"threads is {threads}, but must be 1 or more, and below 65536")
+    threads = processors(workers)
     kept = keep(keep_u, min((len(tables["times"]) for _, tables in histories), default=1))
+    called(reduce, "reduce")
+    found: list[Any] = [None] * len(histories)
+    failed: dict[int, str] = {}
     bar: Any = None
     if progress:
         from tqdm.auto import tqdm
 
         bar = tqdm(total=len(histories), unit="history")
+
+    def take(k: int, raw: dict[str, Any]) -> None:
+        result = Result._of(raw, histories[k][0], reason=reason_of(raw))
+        if not result.converged:
+            failed[k] = result.message
+        found[k] = result if reduce is None else reduce(result)
+        if bar is not None:
+            bar.update()
+
     try:
-        raws = _core.solve_many(
-            [(own._core, tables) for own, tables in histories], core, linear, kept, int(threads),
-            None if bar is None else bar.update,
-        )
+        _core.solve_many([(own._core, tables) for own, tables in histories], core, linear, kept, threads, take)
     finally:
         if bar is not None:
             bar.close()
-    results = Results()
+    if failed:
+        first = min(failed)
+        which = f"{len(failed)} of {counted(len(found), *_HISTORY)} did not converge ({few(sorted(failed))})"
+        warn(f"{which}; {first}: {failed[first]}", NotConvergedWarning)
+    if reduce is not None:
+        return found
+    results = Results(found)
     results._sizes = (problem.n_u, problem.n_c, problem.tangents)
-    with warnings.catch_warnings():
-        # One warning for all of them, below.
-        warnings.simplefilter("ignore", NotConvergedWarning)
-        for (own, tables), raw in zip(histories, raws):
-            results.append(Result._of(raw, own, reason=reason_of(raw)))
-    failed = np.flatnonzero(~results.converged)
-    if len(failed):
-        first = int(failed[0])
-        message = f"{len(failed)} of {counted(len(results), *_HISTORY)} did not converge ({few(failed.tolist())}); {first}: {results[first]._verdict()}"
-        warnings.warn(message, NotConvergedWarning, stacklevel=3)
     return results

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
+from scipy.sparse.linalg import splu
 
 from . import _core
 from ._arrays import Array, compressed, contact_maps, finite, matrix, read_only, symmetric, vector
@@ -157,8 +158,6 @@ class Matrices:
         array([[0.25, 0.  ],
                [0.  , 0.5 ]])
         """
-        from scipy.sparse.linalg import splu
-
         if len(self.free_motions):
             raise ValueError("K is singular: the body has free motions, and no compliance")
         maps = [self.C_n, *self.C_t]

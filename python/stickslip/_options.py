@@ -79,11 +79,25 @@ class SolveOptions(TypedDict, total=False):
     r_factor: float | None
 
 
+class ManyOptions(SolveOptions, total=False):
+    """The keywords of `ContactProblem.solve_many` but `reduce`."""
+
+    forces: Several | None
+    gaps: Several | None
+    mus: Several | None
+    gap: ArrayLike
+    drift: ArrayLike
+    t: ArrayLike | None
+    keep_u: str | Sequence[int]
+    workers: int | None
+    progress: bool
+
+
 class IncrementOptions(SolveOptions, total=False):
     """The keywords of `ContactProblem.solve_increment` that are not the increment."""
 
     mu: ArrayLike | None
-    keep_u: str | bool | Sequence[int]
+    keep_u: str | Sequence[int]
     callback: Callback | None
 
 
@@ -106,14 +120,13 @@ def core_options(
         raise TypeError(f"{name} is no argument here, expected method, setting, linear, tolerance, max_iterations or r_factor")
     options: dict[str, Any] = {
         "method": _word("method", method, get_args(Method), "bn"), "setting": _word("setting", setting, get_args(Setting), "default"),
-        "r_factor": r_factor, "tolerance": tolerance, "max_iterations": max_iterations,
+        "r_factor": 1.0 if r_factor is None else r_factor, "tolerance": tolerance,
+        "max_iterations": 200 if max_iterations is None else max_iterations,
     }
     kinds: dict[str, tuple[Any, str]] = {
         "r_factor": (numbers.Real, "a number"), "tolerance": ((numbers.Real, type(None)), "a number or None"),
         "max_iterations": (numbers.Integral, "a whole number"),
     }
-    for name, default in (("r_factor", 1.0), ("max_iterations", 200)):
-        options[name] = default if options[name] is None else options[name]
     if isinstance(r_factor, np.floating):
         # The bounds are beyond the range of shorter numbers.
         options["r_factor"] = float(r_factor)
@@ -150,6 +163,17 @@ def whole(name: str, value: Any, expected: str = "a whole number of 1 or more", 
     return int(value)
 
 
+def processors(workers: Any) -> int:
+    """So many threads; as many as there are processors for None."""
+    if workers is None:
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    if isinstance(workers, bool) or not isinstance(workers, numbers.Integral):
+        raise TypeError(f"workers is {workers!r}, expected a whole number")
+    if not 1 <= (threads := int(workers)) < 2**16:
+        raise ValueError(f"workers is {workers}, but must be 1 or more, and below 65536")
+    return threads
+
+
 def share(name: str, value: Any, expected: str) -> float:
     """A number between 0 and 1."""
     if not _real(value) or not 0 < value < 1:
@@ -157,10 +181,10 @@ def share(name: str, value: Any, expected: str) -> float:
     return float(value)
 
 
-def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int]:
+def keep(keep_u: str | Sequence[int], increments: int) -> bool | list[int]:
     """`keep_u` as the core takes it: numbers from 1, 0 for the last."""
     if isinstance(keep_u, (bool, np.bool_)):
-        return bool(keep_u)
+        raise TypeError(f"keep_u is {keep_u}, expected {'all' if keep_u else 'none'!r}")
     if isinstance(keep_u, str):
         words: dict[str, bool | list[int]] = {"all": True, "none": False, "last": [0]}
         if keep_u not in words:
@@ -176,10 +200,10 @@ def keep(keep_u: str | bool | Sequence[int], increments: int) -> bool | list[int
         raise ValueError(f"keep_u is {keep_u!r}, expected whole numbers, of increments from 0") from None
 
 
-def called(callback: object) -> None:
-    """Refuses a callback that cannot be called."""
-    if callback is not None and not callable(callback):
-        raise TypeError(f"callback: a function expected, {type(callback).__name__} found")
+def called(function: object, name: str = "callback") -> None:
+    """Refuses what is neither None nor a function."""
+    if function is not None and not callable(function):
+        raise TypeError(f"{name}: a function expected, {type(function).__name__} found")
 
 
 def path_of(path: object) -> str:

@@ -1,31 +1,27 @@
-"""Contact problems made of matrices."""
+"""Contact problems made of matrices, and condensed to their contact displacements."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _core, _history, _many
-from ._arrays import Array, compressed, contact_maps, forces_of, tangential
-from ._arrays import vector as vector
+from ._arrays import Array, compressed, contact_maps, finite, forces_of, tangential, vector
 from ._matrices import Matrices
-from ._options import Callback as Callback
-from ._options import Linear, Method, Setting, called, core_options
-from ._options import LinearSolver as LinearSolver
-from ._options import keep as keep
+from ._options import Callback, Linear, LinearSolver, Method, Setting, called, core_options, keep
 from ._result import Result
+from ._stepper import Stepper
 from ._words import counted, reason_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-    from ._condensed import CondensedProblem
-    from ._judge import Posed
-    from ._options import IncrementOptions, Several, SolveOptions
-    from ._stepper import Stepper
-    from .siconos import GlobalFriction
+    from ._options import IncrementOptions, ManyOptions, Several, SolveOptions
+
+Value = TypeVar("Value")
 
 
 class ContactProblem(Matrices):
@@ -86,12 +82,13 @@ class ContactProblem(Matrices):
         return self
 
     def with_(
-        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None,
+        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None, K: Any = None,
     ) -> ContactProblem:
-        """The same body with other contact: it shares K and, while the contact displacements stay, the condensed body.
+        """The same problem with other contact, or another stiffness.
 
-        Once one of the problems has been solved condensed, the others are not condensed anew. Gaps are no part of a problem but of
-        `solve`, so that problems with other gaps share all this too.
+        With the same K it shares K and, while the contact displacements stay, the condensed body: once one of the problems has been
+        solved condensed, the others are not condensed anew. Gaps are no part of a problem but of `solve`, so that problems with
+        other gaps share all this too.
 
         Parameters
         ----------
@@ -103,6 +100,8 @@ class ContactProblem(Matrices):
             Displacements towards the obstacle.
         C_t : matrix or pair of matrices, (n_c, n_u), optional
             Displacements along the tangents.
+        K : matrix, (n_u, n_u), optional
+            Another stiffness, N/m, as `ContactProblem` takes it; its free motions are found from it.
 
         Returns
         -------
@@ -121,7 +120,15 @@ class ContactProblem(Matrices):
         >>> slippery = problem.with_(mu=0.1)
         >>> [float(p.solve([40.0, -100.0]).p_t[0, 0, 0]) for p in (problem, slippery)]
         [30.0, 10.0]
+        >>> softer = problem.with_(K=problem.K / 2)
+        >>> [float(1e6 * p.solve([40.0, -100.0]).u[0, 0].round(15)) for p in (problem, softer)]
+        [5.0, 10.0]
         """
+        if K is not None:
+            return ContactProblem(
+                K, self.C_n if C_n is None else C_n, self.C_t if C_t is None else C_t, self.mu if mu is None else mu,
+                weight=self.weight if weight is None else weight,
+            )
         if C_n is None and C_t is None:
             coefficients = None if mu is None else vector("mu", mu, self.n_c)
             weights = None if weight is None else vector("weight", weight, self.n_c)
@@ -142,10 +149,10 @@ class ContactProblem(Matrices):
         return ContactProblem._of(self._core.with_parts([compressed(C) for C in maps], coefficients, weights), tangents)
 
     def solve(
-        self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike | None = None,
-        mu: ArrayLike | None = None, times: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
+        self, force: ArrayLike, factors: ArrayLike | None = None, *, gap: ArrayLike = 0.0, drift: ArrayLike = 0.0,
+        mu: ArrayLike | None = None, t: ArrayLike | None = None, method: Method | None = None, setting: Setting | None = None,
         linear: Linear | LinearSolver | None = None, tolerance: float | None = None, max_iterations: int | None = 200,
-        r_factor: float | None = 1.0, keep_u: str | bool | Sequence[int] = "all", callback: Callback | None = None,
+        r_factor: float | None = 1.0, keep_u: str | Sequence[int] = "all", callback: Callback | None = None,
     ) -> Result:
         """Solves a history that begins unloaded.
 
@@ -157,11 +164,11 @@ class ContactProblem(Matrices):
             Of the loads at the ends of the increments.
         gap : float, (n_c,) or (m + 1, n_c)
             m; the first row of a table is before the first increment.
-        drift : (m, n_c) or (m, n_c, d), optional
-            How far the obstacle has moved past each node at the ends, m.
+        drift : float, (m, n_c) or (m, n_c, d)
+            How far the obstacle has moved past each node at the ends, m; (m, 1) of an obstacle that moves as a whole.
         mu : float, (n_c,) or (m, n_c), optional
             Friction coefficients in place of the problem's; of each increment where they change.
-        times : (m,), optional
+        t : (m,), optional
             Ends of the increments, s, increasing from above 0; equal parts of 1 s without them (a `Stepper` takes 1 s for each).
         method : "bn", "ip" or "events"
             Newton's method, the interior point method, or the exact path in the plane; "bn" without it. If rows of
@@ -197,14 +204,20 @@ class ContactProblem(Matrices):
         >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
         >>> problem.solve([40.0, -100.0], [0.5, 1.0], mu=[[0.3], [0.2]]).p_t[:, 0, 0]
         array([15., 20.])
+
+        The history of a model has the keywords of this function:
+
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+        >>> bool(np.allclose(model.problem.solve(**model.history).p_n, model.run().p_n))
+        True
         """
         return self._solve(
-            _history.tables(self, force, factors, gap, drift, mu, times), single=False, keep_u=keep_u, callback=callback,
+            _history.tables(self, force, factors, gap, drift, mu, t), single=False, keep_u=keep_u, callback=callback,
             method=method, setting=setting, linear=linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
 
     def _solve(
-        self, history: tuple[ContactProblem, dict[str, Any]], *, single: bool, keep_u: str | bool | Sequence[int] = "all",
+        self, history: tuple[ContactProblem, dict[str, Any]], *, single: bool, keep_u: str | Sequence[int] = "all",
         callback: Callback | None = None, linear: Linear | LinearSolver | None = None, **options: Any,
     ) -> Result:
         problem, tables = history
@@ -215,7 +228,7 @@ class ContactProblem(Matrices):
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
         raw = problem._core.run(tables, words, algebra, kept, callback, single)
-        return Result._of(raw, self, reason=reason_of(raw), linear=algebra, stacklevel=4)
+        return Result._of(raw, self, reason=reason_of(raw), linear=algebra)._told()
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
@@ -249,16 +262,26 @@ class ContactProblem(Matrices):
         """
         w = tangential("w_t_last", w_t_last, self.n_c, self.tangents)
         mu = options.pop("mu", None)
-        drift = w[None] if w.any() else None
-        history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), drift, mu, None)
+        history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), w[None], mu, None)
         return self._solve(history, single=True, **options)
+
+    @overload
+    def solve_many(
+        self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, reduce: None = None, **options: Unpack[ManyOptions]
+    ) -> _many.Results: ...
+
+    @overload
+    def solve_many(
+        self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, reduce: Callable[[Result], Value],
+        **options: Unpack[ManyOptions],
+    ) -> list[Value]: ...
 
     def solve_many(
         self, force: ArrayLike | None = None, factors: ArrayLike | None = None, *, forces: Several | None = None,
         gaps: Several | None = None, mus: Several | None = None, gap: ArrayLike = 0.0,
-        drift: ArrayLike | None = None, times: ArrayLike | None = None, keep_u: str | bool | Sequence[int] = "last",
-        threads: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
-    ) -> _many.Results:
+        drift: ArrayLike = 0.0, t: ArrayLike | None = None, reduce: Callable[[Result], Any] | None = None,
+        keep_u: str | Sequence[int] = "last", workers: int | None = None, progress: bool = False, **options: Unpack[SolveOptions],
+    ) -> Any:
         """Solves many histories of this body side by side: parameter studies, random fields, fits.
 
         The body is condensed once, and each history is computed in one thread, without the lock of the interpreter. For many
@@ -269,11 +292,14 @@ class ContactProblem(Matrices):
         ----------
         forces, gaps, mus : sequences of N, optional
             What differs: the `force`, `gap` and `mu` of each history, each as `solve` takes it; of a table or an array a row for each.
-        force, factors, gap, drift, times
+        force, factors, gap, drift, t
             What is the same for all, as `solve` takes it.
+        reduce : callable, optional
+            A function of a `Result`, called in this thread once a history is done. Its values are kept in place of the results.
+            `Result.converged` tells it whether the history failed. What it raises ends the work and comes out.
         keep_u : "last", "all", "none" or list of int
             Of which increments displacements are kept. All of many histories may fill the memory; `solve` keeps all of one.
-        threads : int, optional
+        workers : int, optional
             So many histories at a time; as many as there are processors without it.
         progress : bool
             Whether tqdm shows a bar.
@@ -283,7 +309,8 @@ class ContactProblem(Matrices):
         Returns
         -------
         Results
-            A list of `Result`, in the order of the input. One that fails has its status and reason, and the others stay.
+            A list of `Result`, in the order of the input. One that fails has its status and reason, and the others stay. With
+            `reduce` a list of its values.
 
         Raises
         ------
@@ -299,10 +326,12 @@ class ContactProblem(Matrices):
         <Results of 3 histories, all converged>
         >>> results.stack("p_t")[:, 0, 0, 0]
         array([10., 20., 30.])
+        >>> problem.solve_many([40.0, -100.0], mus=[0.1, 0.2], reduce=lambda result: float(result.p_t.sum()))
+        [10.0, 20.0]
         """
         return _many.solve(
-            self, (force, factors, gap, drift, times), {"forces": forces, "gaps": gaps, "mus": mus}, keep_u, threads, progress,
-            dict(options),
+            self, (force, factors, gap, drift, t), {"forces": forces, "gaps": gaps, "mus": mus}, reduce, keep_u, workers,
+            progress, dict(options),
         )
 
     def stepper(
@@ -333,8 +362,6 @@ class ContactProblem(Matrices):
         >>> [float(stepper.step([x, -100.0]).p_t[0, 0, 0]) for x in (0.0, 40.0, 0.0)]
         [0.0, 30.0, -10.0]
         """
-        from ._stepper import Stepper
-
         options, algebra = core_options(
             method=method, setting=setting, linear=self._linear if linear is None else linear, tolerance=tolerance, max_iterations=max_iterations, r_factor=r_factor
         )
@@ -369,39 +396,106 @@ class ContactProblem(Matrices):
         >>> bool(np.allclose(small.lift(result.u[0], force), problem.solve(force).u[0]))
         True
         """
-        from ._condensed import CondensedProblem
-
         return CondensedProblem._condensed(self)
 
-    def residual(
-        self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
-    ) -> Array:
-        """H(z) of the natural map, (n_u + n_c (1 + d),): zero exactly at a solution; see `stickslip.newton.Natural.residual`."""
-        from .newton import Natural
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).residual(u, p_n, p_t)
+class CondensedProblem(ContactProblem):
+    """The problem in the contact displacements u_c of a body; made by `ContactProblem.condense`.
 
-    def jacobian(
-        self, u: ArrayLike, p_n: ArrayLike, p_t: ArrayLike | None = None, *, force: ArrayLike, gap: ArrayLike = 0.0,
-        w_t_last: ArrayLike | None = None, r: ArrayLike | None = None, mu: ArrayLike | None = None,
-    ) -> Any:
-        """A generalised Jacobian of `residual`, csc_array: the linear piece that holds at z; see `stickslip.newton.Natural.jacobian`."""
-        from .newton import Natural
+    S u_c + C_n' p_n + C_t' p_t = f_s, where S = K_cc - K_cr K_rr^-1 K_rc and f_s = f_c - K_cr K_rr^-1 f_r;
+    c are the contact displacements, r the others. It is solved as any problem, with forces f_s that `reduce` computes; `lift` gives all displacements back.
 
-        return Natural(self, force, gap=gap, w_t_last=w_t_last, r=r, mu=mu).jacobian(u, p_n, p_t)
+    Attributes
+    ----------
+    whole : ContactProblem
+        The problem that was condensed.
+
+    Notes
+    -----
+    ``strain_energy`` of its records is u_c' S u_c / 2, that of the condensed body. Forces off the contact nodes add
+    f_r' K_rr^-1 f_r / 2 in the whole body: the whole is ``u @ small.whole.K @ u / 2`` of the u that `lift` gives.
+
+    It pickles as the whole problem, and is condensed anew where it arrives.
+
+    Examples
+    --------
+    >>> import numpy as np, stickslip as ss
+    >>> K = np.array([[2.0, -1.0, 0.0], [-1.0, 2.0, 0.0], [0.0, 0.0, 1.0]])
+    >>> small = ss.ContactProblem(K, [[0, -1, 0]], [[0, 0, 1]], mu=0.3).condense()
+    >>> small
+    <CondensedProblem 2 displacements, 1 contact node, 1 tangent>
+    >>> small.reduce([-1.0, 0.0, 1.0])
+    array([-0.5,  1. ])
+    """
+
+    # Its K is dense, and its contact displacements are all that it has.
+    _linear: Linear | None = "condensed"
+
+    whole: ContactProblem
+    _body: _core.CondensedBody
+
+    def __init__(self, *_: object, **__: object) -> None:
+        raise TypeError("a CondensedProblem is made by `ContactProblem(K, C_n, C_t, ...).condense()`")
 
     @classmethod
-    def from_siconos(cls, M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> Posed:
-        """An increment, of the global problem of Siconos; see `stickslip.siconos.from_siconos`."""
-        from . import siconos
+    def _condensed(cls, whole: ContactProblem, parts: tuple[_core.Problem, _core.CondensedBody] | None = None) -> CondensedProblem:
+        self = cls.__new__(cls)
+        self._core, self._body = parts or whole._core.condense()
+        self.tangents, self.whole = whole.tangents, whole
+        return self
 
-        return siconos.from_siconos(M, H, q, b, mu)
+    def reduce(self, force: ArrayLike) -> Array:
+        """Forces on the whole body as forces on the contact displacements.
 
-    def to_siconos(
-        self, force: ArrayLike, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, mu: ArrayLike | None = None
-    ) -> GlobalFriction:
-        """One increment as the global problem of Siconos; see `stickslip.siconos.to_siconos`."""
-        from . import siconos
+        Parameters
+        ----------
+        force : (n_u,) or (m, n_u)
+            Nodal forces on the whole body, N.
 
-        return siconos.to_siconos(self, force, gap, w_t_last, mu)
+        Returns
+        -------
+        (self.n_u,) or (m, self.n_u) array
+            N; as `solve` of this problem takes them.
+        """
+        rows, shape = self._rows("force", force, self.whole.n_u)
+        return self._body.reduce(rows).reshape(*shape, self.n_u)
+
+    def lift(self, u: ArrayLike, force: ArrayLike) -> Array:
+        """All displacements of the body.
+
+        Parameters
+        ----------
+        u : (self.n_u,) or (m, self.n_u)
+            Displacements of this problem, m.
+        force : (n_u,) or (m, n_u)
+            The forces on the whole body that belong to them, N, before `reduce`.
+
+        Returns
+        -------
+        (n_u,) or (m, n_u) array
+            Free displacements of the whole body, m.
+        """
+        rows, shape = self._rows("u", u, self.n_u)
+        forces, of_force = self._rows("force", force, self.whole.n_u)
+        if shape != of_force:
+            raise ValueError(f"force has {counted(len(forces), 'row')}, but u has {len(rows)}; solve_many keeps the last u only without keep_u=\"all\"")
+        return self._body.lift(rows, forces).reshape(*shape, self.whole.n_u)
+
+    @staticmethod
+    def _rows(name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
+        array = finite(name, values)
+        if array.ndim not in (1, 2) or array.shape[-1] != width:
+            raise ValueError(f"{name} has the shape {array.shape}, expected (..., {width})")
+        return np.ascontiguousarray(np.atleast_2d(array)), array.shape[:-1]
+
+    def with_(
+        self, *, mu: ArrayLike | None = None, weight: ArrayLike | None = None, C_n: Any = None, C_t: Any = None, K: Any = None,
+    ) -> CondensedProblem:
+        """As `ContactProblem.with_`, for friction and weights; another body or other maps are condensed to something else."""
+        if K is not None or C_n is not None or C_t is not None:
+            raise ValueError("K, C_n and C_t decide to what a body is condensed: problem.with_(K=..., C_n=..., C_t=...).condense()")
+        parts = super().with_(mu=mu, weight=weight)._core, self._body
+        return CondensedProblem._condensed(self.whole.with_(mu=mu, weight=weight), parts)
+
+    def __reduce__(self) -> Any:
+        return CondensedProblem._condensed, (self.whole,)

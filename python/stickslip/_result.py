@@ -5,36 +5,26 @@ from __future__ import annotations
 import html
 import json
 import os
-import warnings
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import plot as _plot
-from ._errors import AccuracyWarning, NotConverged, NotConvergedWarning, in_python
+from . import _plot
+from ._errors import AccuracyWarning, NotConvergedWarning, StickslipError, in_python
 from ._fields import Fields
 from ._files import replaced
+from ._kinds import LAWS, OPEN, SLIP, STICK
 from ._linear import Checked
 from ._options import path_of
-from ._words import REASONS, counted, violation
+from ._words import REASONS, counted, violation, warn
 
 if TYPE_CHECKING:
     from ._matrices import Matrices
     from ._scene import Model
 
 Array = NDArray[Any]
-
-#: The status of a node that does not touch.
-OPEN: int = 0
-#: The status of a node that touches and does not slide.
-STICK: int = 1
-#: The status of a node that slides.
-SLIP: int = 2
-
-#: The laws of the error measure, in the order of the columns of `Result.errors`.
-LAWS: tuple[str, ...] = ("equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation")
 
 #: The kinds of warnings that cost time or memory and no accuracy.
 _COSTS = ("slow-blas", "multigrid-gave-way", "ranks-apart")
@@ -96,29 +86,12 @@ class Result(Fields):
     True
     """
 
-    status: str
-    reason: str
-    t: Array
-    p_n: Array
-    p_t: Array
-    contact: Array
-    gap: Array
-    mu: Array
-    w_t_last: Array
-    errors: Array
-    kept: tuple[int, ...]
-    u: Array
-    u_rest: Array
-    force: Array
-    records: list[dict[str, Any]]
-    iterations: Array
-    report: dict[str, Any]
     model: Model | None = field(default=None)
 
     @classmethod
     def _of(
         cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "",
-        linear: object = None, stacklevel: int = 3,
+        linear: object = None,
     ) -> Result:
         records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
@@ -143,7 +116,7 @@ class Result(Fields):
         reason = reason or REASONS.get(raw["status"], "")
         if isinstance(linear, Checked) and raw["status"] != "converged":
             reason = linear.blamed(reason)
-        result = cls(
+        return cls(
             status=raw["status"], reason=reason, t=np.array([r["time"] for r in records]),
             p_n=nodes("p_n"), p_t=pair("p_t", "p_o"), contact=nodes("contact"), gap=nodes("gap"), mu=nodes("mu"),
             w_t_last=pair("w_t_last", "w_o_last"), errors=np.array(errors).reshape(len(records), 6),
@@ -151,20 +124,18 @@ class Result(Fields):
             force=raw["force"].reshape(of_body),
             records=records, iterations=iterations, report=report, model=model,
         )
-        if stacklevel:
-            result._warn(stacklevel + 1)
-        return result
 
-    def _warn(self, stacklevel: int) -> None:
-        """Tells Python's warnings of what was found."""
+    def _told(self) -> Result:
+        """Itself, once Python's warnings tell what was found."""
         for category, kind, message in self._found():
-            warnings.warn(f"{kind}: {message}" if kind else message, category, stacklevel=stacklevel)
+            warn(f"{kind}: {message}" if kind else message, category)
+        return self
 
     def _found(self) -> list[tuple[type[UserWarning], str, str]]:
         """Category, kind and message of each of Python's warnings; the verdict has no kind."""
         found: list[tuple[type[UserWarning], str, str]] = []
         if not self.converged:
-            found.append((NotConvergedWarning, "", self._verdict()))
+            found.append((NotConvergedWarning, "", self.message))
         accuracy = (warning for warning in self.warnings if warning["kind"] not in _COSTS)
         return found + [(AccuracyWarning, warning["kind"], warning["message"]) for warning in accuracy]
 
@@ -174,14 +145,16 @@ class Result(Fields):
         return self.status == "converged"
 
     @property
-    def success(self) -> bool:
-        """As `converged`, under the name that results of scipy have."""
-        return self.converged
-
-    @property
     def message(self) -> str:
         """The verdict in words: the status, and where it is not "converged" the increment, the law and the reason."""
-        return self._verdict()
+        if self.converged:
+            return self.status
+        if not len(self.t):
+            return f"{self.status} before the first increment" + (f": {self.reason}" if self.reason else "")
+        last = self.errors[-1]
+        law = LAWS[int(np.argmax(np.where(np.isnan(last), np.inf, last)))]
+        at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {violation(law, last.max())}"
+        return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
 
     @property
     def nit(self) -> int:
@@ -231,18 +204,8 @@ class Result(Fields):
             If it did not converge; the exception has the incomplete result.
         """
         if not self.converged:
-            raise NotConverged(self._verdict(), self)
+            raise NotConverged(self.message, self)
         return self
-
-    def _verdict(self) -> str:
-        if self.converged:
-            return self.status
-        if not len(self.t):
-            return f"{self.status} before the first increment" + (f": {self.reason}" if self.reason else "")
-        last = self.errors[-1]
-        law = LAWS[int(np.argmax(np.where(np.isnan(last), np.inf, last)))]
-        at = f"in increment {len(self.t)} (t = {self.t[-1]:g} s): {violation(law, last.max())}"
-        return f"{self.status} {at}" + (f"; {self.reason}" if self.reason else "")
 
     def _amount(self) -> str:
         return f"{counted(len(self.t), 'increment')}, {counted(self.nit, 'iteration')}"
@@ -251,11 +214,8 @@ class Result(Fields):
         """Without what is computed again when it is asked for."""
         return {name: value for name, value in self.__dict__.items() if name != "_of_nodes"}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
-
     def __repr__(self) -> str:
-        head = f"<Result {self._verdict()}; {self._amount()}, error {self.error:.1e}"
+        head = f"<Result {self.message}; {self._amount()}, error {self.error:.1e}"
         if len(self.t):
             counts = {name: int((self.contact[-1] == code).sum()) for name, code in _CODES.items()}
             head += "; at the end " + ", ".join(f"{n} {name}" for name, n in counts.items())
@@ -269,7 +229,7 @@ class Result(Fields):
             for law, error in zip(LAWS, self.errors.max(axis=0) if len(self.t) else [])
         )
         title = html.escape(self.model.title) if self.model is not None else "contact problem"
-        verdict = html.escape(self._verdict())
+        verdict = html.escape(self.message)
         found = "".join(
             f"<li><b>{html.escape(warning['kind'])}</b>: {html.escape(warning['message'])}</li>" for warning in self.warnings
         )
@@ -306,7 +266,10 @@ class Result(Fields):
     # Pictures.
 
     def plot(self, k: int = -1, ax: Any = None) -> Any:
-        """Contact stresses of increment k, with statuses, by matplotlib.
+        """Contact stresses of increment k (forces where there are no weights), with statuses, by matplotlib.
+
+        In the plane: along x, or along the boundaries where these go to and fro or lie above each other. In space: a map of the
+        normal stress, each boundary seen along the axis of its least extent. Of a problem of matrices: by the number of the contact node.
 
         Parameters
         ----------
@@ -322,7 +285,7 @@ class Result(Fields):
         return _plot.contact(self, k, ax)
 
     def plot_convergence(self, ax: Any = None) -> Any:
-        """The error of every law over the increments, by matplotlib.
+        """The error of every law over the increments, on a logarithmic scale, by matplotlib.
 
         Parameters
         ----------
@@ -373,49 +336,22 @@ class Result(Fields):
         with replaced(path if path.endswith(".npz") else f"{path}.npz") as file:
             np.savez_compressed(file, words=np.array(json.dumps(words)), **arrays)
 
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Reads a file of `save`; the model is made again of the scene, its mesh and its files as they were then.
 
-        Parameters
-        ----------
-        path : str or os.PathLike
-            The npz file.
+class NotConverged(StickslipError, RuntimeError):
+    """Raised by `Result.check`.
 
-        Returns
-        -------
-        Result
+    Attributes
+    ----------
+    result : Result
+        What was reached.
+    """
 
-        Raises
-        ------
-        FileNotFoundError
-            If there is no such file.
-        ValueError
-            If it was not written by `save`.
-        """
-        from ._scene import Model
+    def __init__(self, message: str, result: Result) -> None:
+        super().__init__(message)
+        self.result = result
 
-        path = path_of(path)
-        refused = f"path: {path} was not written by Result.save"
-        with open(path, "rb") as opened:
-            try:
-                with np.load(opened, allow_pickle=False) as file:
-                    words = json.loads(str(file["words"]))
-                    arrays = {name: file[name] for name in file.files if name != "words"}
-            except MemoryError:
-                raise
-            except Exception as error:
-                # A damaged file is found by numpy, zipfile or a decompressor, each with exceptions of its own.
-                raise ValueError(f"{refused}, or is damaged: {error}") from None
-        if not isinstance(words, dict) or "model" not in words or "iterations" not in arrays:
-            raise ValueError(refused)
-        arrays["iterations"] = arrays["iterations"].view(np.recarray)
-        of_model = {name: arrays.pop(name) for name in list(arrays) if name.startswith("model.")}
-        model = Model._loaded(words["model"], of_model) if words["model"] else None
-        return cls(
-            status=words["status"], reason=words["reason"], records=words["records"], report=words["report"],
-            kept=tuple(words["kept"]), model=model, **arrays,
-        )
+    def __reduce__(self) -> Any:
+        return type(self), (self.args[0], self.result)
 
 
 _CODES = {"open": OPEN, "stick": STICK, "slip": SLIP}

@@ -6,7 +6,6 @@ import contextlib
 import json
 import os
 import re
-import warnings
 from collections.abc import Mapping, Sequence
 from numbers import Real
 from typing import Any, Literal, Union
@@ -16,15 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _core
 from . import mesh as _mesh
-from ._arrays import read_only
-from ._kinds import DIMENSION
+from ._arrays import read_only, vector
 from ._errors import SceneError
 from ._files import scene_text
-from ._options import called, linear_of, share, whole
-from ._problem import Callback, ContactProblem, LinearSolver, keep, vector
+from ._kinds import DIMENSION
+from ._options import Callback, LinearSolver, called, keep, linear_of, path_of, share, whole
+from ._problem import ContactProblem
 from ._result import Result
 from ._toml import to_toml, toml_value
-from ._words import counted
+from ._words import counted, warn
 from .builder import Scene
 
 Array = NDArray[Any]
@@ -36,7 +35,7 @@ SceneLike = Union[str, "os.PathLike[str]", Mapping[str, Any], Scene]
 Linear = Union[Literal["auto", "faer", "partial", "condensed", "umfpack"], LinearSolver, None]
 
 #: Of which increments displacements are kept.
-KeepU = Union[Literal["all", "last", "none"], bool, Sequence[int]]
+KeepU = Union[Literal["all", "last", "none"], Sequence[int]]
 
 
 def _read(scene: SceneLike) -> tuple[str, str, dict[str, bytes]]:
@@ -99,7 +98,7 @@ class Model:
         The scene's title.
     dimension : int
         2 or 3.
-    times : ndarray, shape (m,)
+    t : ndarray, shape (m,)
         Ends of the increments, s.
     problem : ContactProblem
         K, C_n, C_t, mu and weights.
@@ -152,7 +151,7 @@ class Model:
             raise error._in_python(self._has_text) from None
         self.title: str = core.title
         self.dimension: int = core.dimension
-        self.times: Array = read_only(np.array(core.times))
+        self.t: Array = read_only(np.array(core.times))
         self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
         self.points: Array = read_only(core.points())
         contacts = core.contacts()
@@ -194,19 +193,18 @@ class Model:
         return _restore(words["name"], words["text"], {}, given, files)
 
     def __repr__(self) -> str:
-        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.times), 'increment')}, {self.problem!r}>"
+        return f"<Model {self.title!r}: {counted(len(self.points), 'node')}, {counted(len(self.t), 'increment')}, {self.problem!r}>"
 
     @property
     def history(self) -> dict[str, Array]:
-        """Loads, gaps, drift and friction over time, for other people's solvers.
+        """Loads, gaps, drift and friction over time, for other people's solvers: the keywords of `ContactProblem.solve`.
 
         Returns
         -------
         dict of str to ndarray
             ``force``, N, (m, n_u). ``gap``, m, (m + 1, n_c), the first row before the first increment. ``drift``, how far the
-            obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``cases`` (loads, n_u), N, and ``factors``
-            (m, loads): the loads that ``force`` is the sum of, in the order of ``[[load]]``; then those of supports and bolts,
-            if there are any. Arrays are read-only; copies of them are not.
+            obstacle has moved past each node, m, (m, n_c, d). ``mu``, (m, n_c). ``t``, the ends of the increments, s, (m,).
+            Arrays are read-only; copies of them are not.
 
         Examples
         --------
@@ -217,9 +215,19 @@ class Model:
         """
         raw = self._core.history()
         drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
-        force = raw["factors"].reshape(len(self.times), -1) @ raw["cases"]
-        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "cases": raw["cases"], "factors": raw["factors"]}
+        force = raw["factors"].reshape(len(self.t), -1) @ raw["cases"]
+        history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "t": self.t}
         return {name: read_only(table) for name, table in history.items()}
+
+    @property
+    def loads(self) -> tuple[Array, Array]:
+        """The loads that the force of `history` is the sum of, N, (loads, n_u), and their factors, (m, loads).
+
+        In the order of ``[[load]]``; then those of supports and bolts, if there are any. `ContactProblem.solve` takes them in place
+        of the sum: ``problem.solve(*model.loads, gap=model.history["gap"])``.
+        """
+        raw = self._core.history()
+        return read_only(raw["cases"]), read_only(raw["factors"].reshape(len(self.t), -1))
 
     def displacement(self, u: ArrayLike, t: float | None = None) -> Array:
         """Displacements of all nodes, those of supports included.
@@ -260,34 +268,37 @@ class Model:
 
     def _time(self, t: float | None) -> float:
         if t is None:
-            return float(self.times[-1])
+            return float(self.t[-1])
         if not np.isfinite(t):
             raise ValueError(f"t: {t} found, expected a time in s")
         return float(t)
 
-    def with_increments(self, increments: int) -> Model:
-        """The same scene with other increments.
+    def with_(self, overrides: Mapping[str, Any]) -> Model:
+        """The same scene with other values, discretised anew.
 
         Parameters
         ----------
-        increments : int
-            So many equal increments.
+        overrides : Mapping
+            As those of `Model`, over those that the model has.
 
         Returns
         -------
         Model
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4]})
+        >>> len(model.t), len(model.with_({"time.increments": 40}).t)
+        (20, 40)
         """
-        increments = whole("increments", increments, "a whole number of 1 or more; stickslip.converge refines increments until a quantity is known")
-        name, text, overrides, given = self._arguments
-        model = Model.__new__(Model)
-        model._has_text = self._has_text
-        model._make(name, text, {**overrides, "time.increments": str(increments)}, given, self._files())
-        return model
+        name, text, before, given = self._arguments
+        return _restore(name, text, {**before, **_words(overrides, given is not None)}, given, self._files(), self._has_text)
 
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
-        uniqueness: bool = False, increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
-        checkpoint_every: float | None = None, _stacklevel: int = 3,
+        uniqueness: bool = False, max_iterations: int | None = None, tolerance: float | None = None,
+        checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None, _tells: bool = True,
     ) -> Result:
         """Solves the history as the scene says.
 
@@ -304,8 +315,6 @@ class Model:
             A bar by tqdm.
         uniqueness : bool, optional
             Whether ``report["critical_friction"]`` is wanted.
-        increments : int, optional
-            Other increments than the scene's, see `with_increments`; ``result.model`` has them.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
         checkpoint : str or os.PathLike, optional
@@ -354,13 +363,12 @@ class Model:
         if checkpoint is None and checkpoint_every is not None:
             raise ValueError("checkpoint_every: it is the time between checkpoints; name their file by checkpoint")
         algebra = linear_of(linear)
-        model = self if increments is None else self.with_increments(increments)
         bar: Any = None
         told: Callback | None = callback
         if progress:
             from tqdm.auto import tqdm
 
-            bar = tqdm(total=len(model.times), unit="increment")
+            bar = tqdm(total=len(self.t), unit="increment")
 
             def counted(index: int, time: float, status: str, iterations: int, error: float) -> None:
                 # A run that goes on begins with the increments that are there.
@@ -376,8 +384,8 @@ class Model:
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:
-            kept = keep(keep_u, len(model.times))
-            raw = model._core.run(algebra, kept, told, options)
+            kept = keep(keep_u, len(self.t))
+            raw = self._core.run(algebra, kept, told, options)
         except KeyboardInterrupt as error:
             if checkpoint is not None and os.path.exists(checkpoint) and hasattr(error, "add_note"):
                 error.add_note(f"The run is saved in {os.fspath(checkpoint)}: run it again with this checkpoint, and it goes on.")
@@ -385,9 +393,11 @@ class Model:
         finally:
             if bar is not None:
                 bar.close()
-        result = Result._of(raw, model.problem, model, linear=algebra, stacklevel=_stacklevel)
+        result = Result._of(raw, self.problem, self, linear=algebra)
+        if _tells:
+            result._told()
         if raw["unsaved"]:
-            warnings.warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning, stacklevel=_stacklevel - 1)
+            warn(f"checkpoint: {raw['unsaved']}; the run went on without", RuntimeWarning)
         if checkpoint is not None and result.converged:
             with contextlib.suppress(FileNotFoundError):
                 os.remove(checkpoint)
@@ -404,9 +414,11 @@ def _blocks(cells: list[tuple[str, list[int], int]]) -> list[tuple[str, Array]]:
     return [(kind, read_only(np.array(nodes, dtype=np.int64))) for kind, nodes in blocks]
 
 
-def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes]) -> Model:
+def _restore(
+    name: str, text: str, overrides: dict[str, str], given: _mesh.Given | None, files: dict[str, bytes], has_text: bool = True
+) -> Model:
     model = Model.__new__(Model)
-    model._has_text = True
+    model._has_text = has_text
     model._make(name, text, overrides, given, files)
     return model
 
@@ -414,7 +426,8 @@ def _restore(name: str, text: str, overrides: dict[str, str], given: _mesh.Given
 def run(
     scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
     callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
-    increments: int | None = None, max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None,
+    max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
+    checkpoint_every: float | None = None,
 ) -> Result:
     """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
@@ -422,7 +435,7 @@ def run(
     ----------
     scene, overrides, mesh
         See `Model`.
-    linear, keep_u, callback, progress, uniqueness, increments, max_iterations, tolerance, checkpoint, checkpoint_every
+    linear, keep_u, callback, progress, uniqueness, max_iterations, tolerance, checkpoint, checkpoint_every
         See `Model.run`.
 
     Returns
@@ -445,6 +458,47 @@ def run(
     """
     return Model(scene, overrides, mesh=mesh).run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
-        increments=increments, max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint,
-        checkpoint_every=checkpoint_every, _stacklevel=4,
+        max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint, checkpoint_every=checkpoint_every,
+    )
+
+
+def load(path: str | os.PathLike[str]) -> Result:
+    """Reads a file of `Result.save`; the model is made again of the scene, its mesh and its files as they were then.
+
+    Parameters
+    ----------
+    path : str or os.PathLike
+        The npz file.
+
+    Returns
+    -------
+    Result
+
+    Raises
+    ------
+    FileNotFoundError
+        If there is no such file.
+    ValueError
+        If it was not written by `Result.save`.
+    """
+    path = path_of(path)
+    refused = f"path: {path} was not written by Result.save"
+    with open(path, "rb") as opened:
+        try:
+            with np.load(opened, allow_pickle=False) as file:
+                words = json.loads(str(file["words"]))
+                arrays = {name: file[name] for name in file.files if name != "words"}
+        except MemoryError:
+            raise
+        except Exception as error:
+            # A damaged file is found by numpy, zipfile or a decompressor, each with exceptions of its own.
+            raise ValueError(f"{refused}, or is damaged: {error}") from None
+    if not isinstance(words, dict) or "model" not in words or "iterations" not in arrays:
+        raise ValueError(refused)
+    arrays["iterations"] = arrays["iterations"].view(np.recarray)
+    of_model = {name: arrays.pop(name) for name in list(arrays) if name.startswith("model.")}
+    model = Model._loaded(words["model"], of_model) if words["model"] else None
+    return Result(
+        status=words["status"], reason=words["reason"], records=words["records"], report=words["report"],
+        kept=tuple(words["kept"]), model=model, **arrays,
     )

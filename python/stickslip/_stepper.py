@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from . import _core, _history
 from ._arrays import Array, forces_of, tangential, vector
-from ._options import called
+from ._options import called, keep
 from ._result import Result
 from ._words import reason_of
 
@@ -33,7 +33,7 @@ class StepperState:
     @classmethod
     def _of(cls, stepper: Stepper, core: Any, ends: tuple[Array, ...]) -> StepperState:
         self = cls.__new__(cls)
-        self._stepper, self._core, self._ends, self._time = stepper, core, ends, stepper.time
+        self._stepper, self._core, self._ends, self._time = stepper, core, ends, stepper.t
         return self
 
     def __repr__(self) -> str:
@@ -95,13 +95,13 @@ class Stepper:
         return self
 
     @property
-    def time(self) -> float:
+    def t(self) -> float:
         """The end of the last increment that converged, s."""
         return self._core.time
 
     def step(
-        self, force: ArrayLike, *, time: float | None = None, gap: ArrayLike | None = None, drift: ArrayLike | None = None,
-        mu: ArrayLike | None = None, keep_u: bool = True, callback: Callback | None = None,
+        self, force: ArrayLike, *, t: float | None = None, gap: ArrayLike | None = None, drift: ArrayLike | None = None,
+        mu: ArrayLike | None = None, keep_u: str = "all", callback: Callback | None = None,
     ) -> Result:
         """Goes on by an increment; between its ends loads, gaps and obstacles change evenly.
 
@@ -109,15 +109,15 @@ class Stepper:
         ----------
         force : (n_u,)
             Nodal forces at its end, N.
-        time : float, optional
-            Its end, s, above `time`; 1 s later without it (`ContactProblem.solve` divides 1 s).
+        t : float, optional
+            Its end, s, above `t`; 1 s later without it (`ContactProblem.solve` divides 1 s).
         gap : float or (n_c,), optional
             Gaps at its end, m; as they were without it.
-        drift : (n_c,) or (n_c, d), optional
+        drift : float, (n_c,) or (n_c, d), optional
             How far the obstacle has moved past each node, m, counted from the beginning; as it was without it.
         mu : float or (n_c,), optional
             Friction coefficients at its end where they change; as they were without it.
-        keep_u : bool
+        keep_u : "all" or "none"
             Whether the result has u.
         callback : callable, optional
             As that of `ContactProblem.solve`; if it raises, the stepper has not moved.
@@ -143,15 +143,15 @@ class Stepper:
         [0.0, -20.0, -30.0]
         """
         n_c, d = self.problem.n_c, self.problem.tangents
-        begun = self.time
-        if time is not None and not isinstance(time, Real):
-            raise TypeError(f"time is {time!r}, expected a number")
-        end = begun + 1.0 if time is None else float(time)
+        begun = self.t
+        if t is not None and not isinstance(t, Real):
+            raise TypeError(f"t is {t!r}, expected a number")
+        end = begun + 1.0 if t is None else float(t)
         if not (np.isfinite(end) and end > begun):
-            raise ValueError(f"time is {end:g}, but the last increment ended at {begun:g}")
+            raise ValueError(f"t is {end:g}, but the last increment ended at {begun:g}")
         new_force = forces_of("force", force, self.problem.n_u)
         new_gap = self._gap if gap is None else vector("gap", gap, n_c)
-        new_drift = self._drift if drift is None else tangential("drift", drift, n_c, d)
+        new_drift = self._drift if drift is None else tangential("drift", drift if np.ndim(drift) else np.full((n_c, d), drift), n_c, d)
         rows = self._mu if mu is None else vector("mu", mu, n_c)
         moves = bool(new_drift.any() or self._drift.any())
         first = 0 if begun == 0.0 else 1
@@ -166,13 +166,11 @@ class Stepper:
             "mu": _history.friction(self.problem, np.stack([self._mu, rows][1 - first :])),
         }
         called(callback)
-        if not isinstance(keep_u, (bool, np.bool_)):
-            raise TypeError(f"keep_u is {keep_u!r}, expected True or False")
-        raw = self._core.step(tables, bool(keep_u), callback)
+        raw = self._core.step(tables, keep(keep_u, 1), callback)
         self.work = {name: raw[name] for name in self.work}
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
-        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, stacklevel=3)
+        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear)._told()
 
     def save(self) -> StepperState:
         """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.
@@ -197,7 +195,7 @@ class Stepper:
         ...         break
         ...     x = 0.5 * (x + result.u[0, 0])
         ...     stepper.restore(before)
-        >>> stepper.time, bool(np.isclose(x, (200.0 - 30.0) / 4e6))
+        >>> stepper.t, bool(np.isclose(x, (200.0 - 30.0) / 4e6))
         (1.0, True)
         """
         return StepperState._of(self, self._core.save(), (self._force, self._gap, self._drift, self._mu))
@@ -226,4 +224,4 @@ class Stepper:
         raise TypeError("a Stepper is live: it is neither copied nor pickled; `save` and `restore` go back to an increment")
 
     def __repr__(self) -> str:
-        return f"<Stepper at t = {self.time:g} s of {self.problem!r}>"
+        return f"<Stepper at t = {self.t:g} s of {self.problem!r}>"

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import itertools
-import os
 import re
 import threading
-import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
-from typing import Any, Union, overload
+from typing import Any, Union
 
-from ._errors import NotConverged
 from ._linear import Checked
-from ._options import linear_of
+from ._many import Results
+from ._options import linear_of, processors
 from ._result import Result
 from ._scene import KeepU, Linear, Model, SceneLike
-from ._words import counted, few
+from ._words import counted, few, warn
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]
@@ -26,15 +24,13 @@ class Stopped(Exception):
     """Ends the runs of a sweep that another one, or Ctrl-C, has ended."""
 
 
-class Sweep(Sequence[Result]):
-    """The results of a sweep in the order of their values, the last key the fastest.
+class Sweep(Results):
+    """The results of a sweep: a list in the order of their values, the last key the fastest, whose slices are a `Sweep` too.
 
     Attributes
     ----------
     values : list of dict
         What each scene has in place of its own values, by key.
-    results : list of Result
-        What came out.
 
     Examples
     --------
@@ -49,47 +45,19 @@ class Sweep(Sequence[Result]):
     """
 
     def __init__(self, values: list[dict[str, Any]], results: list[Result]) -> None:
+        super().__init__(results)
         self.values: list[dict[str, Any]] = values
-        self.results: list[Result] = results
         self._keys: tuple[str, ...] = tuple(values[0]) if values else ()
 
-    def __len__(self) -> int:
-        return len(self.results)
-
-    @overload
-    def __getitem__(self, k: int) -> Result: ...
-
-    @overload
-    def __getitem__(self, k: slice) -> Sweep: ...
-
-    def __getitem__(self, k: int | slice) -> Result | Sweep:
-        if not isinstance(k, slice):
-            return self.results[k]
-        part = Sweep(self.values[k], self.results[k])
-        part._keys = self._keys
-        return part
-
-    def __iter__(self) -> Iterator[Result]:
-        return iter(self.results)
-
-    @property
-    def converged(self) -> bool:
-        """True if all converged."""
-        return all(result.converged for result in self)
-
-    def check(self) -> Sweep:
-        """Itself, if all converged; raises `NotConverged` with the values and the result of the first that did not."""
-        for k, result in enumerate(self):
-            if not result.converged:
-                raise NotConverged(f"{self._name(k)}: {result._verdict()}", result)
-        return self
+    def _cut(self, k: slice) -> None:
+        self.values = self.values[k]
 
     def _name(self, k: int) -> str:
         """The values of a run, such as "contact.friction=0.5"."""
         return ", ".join(f"{key}={value}" for key, value in self.values[k].items()) or "no value changed"
 
-    def _warn(self, stacklevel: int) -> None:
-        """Tells Python's warnings of what was found, each kind once."""
+    def _told(self) -> Sweep:
+        """Itself, once Python's warnings tell what was found, each kind once."""
         found: dict[tuple[type[UserWarning], str], dict[int, list[str]]] = {}
         for k, result in enumerate(self):
             for category, kind, message in result._found():
@@ -99,10 +67,11 @@ class Sweep(Sequence[Result]):
             head = f"{kind}: in {of}" if kind else f"{of} did not converge"
             first, *others = runs.values()
             link = ": " if all(messages == first for messages in others) else "; the first: "
-            warnings.warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category, stacklevel=stacklevel)
+            warn(f"{head} ({few([self._name(k) for k in runs], 3, '; ')}){link}{'; '.join(first)}", category)
+        return self
 
     def __repr__(self) -> str:
-        failed = sum(not result.converged for result in self)
+        failed = int((~self.converged).sum())
         verdict = f", {failed} not converged" if failed else ", all converged" if len(self) else ""
         return f"<Sweep of {', '.join(self._keys)}: {counted(len(self), 'result')}{verdict}>"
 
@@ -190,7 +159,7 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
 
 def sweep(
     scene: SceneLike, vary: Mapping[Key, Iterable[Any]], *, overrides: Mapping[str, Any] | None = None, mesh: Any = None,
-    jobs: int | None = None, linear: Linear = "auto", keep_u: KeepU = "last", uniqueness: bool = False,
+    workers: int | None = None, linear: Linear = "auto", keep_u: KeepU = "last", uniqueness: bool = False,
 ) -> Sweep:
     """Runs a scene with all combinations of values, several at a time.
 
@@ -202,10 +171,10 @@ def sweep(
         See `Model`.
     vary : Mapping of str to list
         Values by key, as in `overrides`; a tuple of keys has tuples of values, which change together.
-    jobs : int, optional
-        How many run at a time, in threads; the number of processors without it.
+    workers : int, optional
+        So many runs at a time, in threads; as many as there are processors without it.
     linear, uniqueness
-        See `Model.run`; a `LinearSolver` needs ``jobs=1``.
+        See `Model.run`; a `LinearSolver` needs ``workers=1``.
     keep_u : {"last", "all", "none"} or sequence of int, optional
         Of which increments displacements are kept. All of many runs may fill the memory; `Model.run` keeps all of one.
 
@@ -240,10 +209,9 @@ def sweep(
     >>> table["time.increments"], table["force"]
     ([10, 20, 10, 20], [10000, 12000, 10000, 12000])
     """
-    if jobs is not None and (isinstance(jobs, bool) or not isinstance(jobs, int) or jobs < 1):
-        raise ValueError(f"jobs: {jobs!r} found, expected a whole number of 1 or more")
-    if jobs != 1 and isinstance(algebra := linear_of(linear), Checked):
-        raise TypeError(f"linear: {algebra.name} is one solver, which cannot work for several runs at once; a word or jobs=1 expected")
+    threads = processors(workers)
+    if workers != 1 and isinstance(algebra := linear_of(linear), Checked):
+        raise TypeError(f"linear: {algebra.name} is one solver, which cannot work for several runs at once; a word or workers=1 expected")
     values = _combinations(vary)
     models = [Model(scene, {**(overrides or {}), **value}, mesh=mesh) for value in values]
     stop = threading.Event()
@@ -254,10 +222,10 @@ def sweep(
 
     def one(model: Model) -> Result:
         watch()
-        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _stacklevel=0)
+        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _tells=False)
 
-    with ThreadPoolExecutor(jobs or os.cpu_count() or 1) as threads:
-        runs = [threads.submit(one, model) for model in models]
+    with ThreadPoolExecutor(threads) as pool:
+        runs = [pool.submit(one, model) for model in models]
         try:
             # The first exception ends the others. It may be that of Ctrl-C, which this thread alone sees.
             wait(runs, return_when=FIRST_EXCEPTION)
@@ -266,7 +234,4 @@ def sweep(
     raised = [error for run in runs if (error := run.exception()) is not None and not isinstance(error, Stopped)]
     if raised:
         raise raised[0]
-    results = [run.result() for run in runs]
-    done = Sweep(values, results)
-    done._warn(3)
-    return done
+    return Sweep(values, [run.result() for run in runs])._told()

@@ -1,7 +1,10 @@
-"""Numbers in words of messages."""
+"""Numbers in words of messages, and warnings."""
 
 from __future__ import annotations
 
+import os
+import sys
+import warnings
 from collections.abc import Sequence
 from typing import Any
 
@@ -49,3 +52,11 @@ def reason_of(raw: dict[str, Any]) -> str:
         return str(raw.get("reason", ""))
     weights = ", ".join(f"{weight:.3g}" for weight in raw["free_motion"])
     return f"neither K nor contact stops the body along the sum of its free_motions with the weights [{weights}]"
+
+
+def warn(message: str, category: type[Warning]) -> None:
+    """Warns at the line outside this package that led here."""
+    here, frame, level = os.path.dirname(__file__) + os.sep, sys._getframe(1), 2
+    while frame.f_back is not None and frame.f_code.co_filename.startswith(here):
+        frame, level = frame.f_back, level + 1
+    warnings.warn(message, category, stacklevel=level)

@@ -25,6 +25,7 @@ from . import _core
 from ._errors import SceneError
 from ._files import replaced, scene_text
 from ._options import path_of
+from ._toml import from_toml, to_toml
 from ._words import counted
 
 
@@ -130,8 +131,6 @@ class Scene:
         end = 1.0
         increments = 4
         """
-        from ._toml import to_toml
-
         return to_toml(self._keys).lstrip("\n")
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -246,8 +245,6 @@ class Scene:
         """
         if not isinstance(text, str):
             raise TypeError(f"text: a str expected, {type(text).__name__} found")
-        from ._toml import from_toml
-
         try:
             return cls(from_toml(text))
         except ValueError as error:

@@ -46,22 +46,22 @@ class Answer(NamedTuple):
 
     Attributes
     ----------
-    solved : bool
+    converged : bool
         Whether every law holds within the tolerance of exchange files.
     v, r, u : ndarray
         Unknowns of the bodies (n,), empty in the local form; contact forces and relative velocities (n_c dimension,).
     errors : dict of str to float
         The violation of each law, without units, and the contact of the worst.
-    iterations : int
-        Of all stages.
+    nit : int
+        Iterations of all stages.
     """
 
-    solved: bool
+    converged: bool
     v: Array
     r: Array
     u: Array
     errors: dict[str, Any]
-    iterations: int
+    nit: int
 
 
 def read(path: str | os.PathLike[str]) -> ProblemFile:
@@ -122,7 +122,7 @@ def solve(path: str | os.PathLike[str]) -> Answer:
     Returns
     -------
     Answer
-        The best that was found; ``solved`` says whether it is a solution.
+        The best that was found; ``converged`` says whether it is a solution.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def solve(path: str | os.PathLike[str]) -> Answer:
     ...     with open(path, "w") as file:
     ...         _ = file.write("2 1  0 2 2  2 2  1 0 0 1  -2 3  0.5")
     ...     answer = ss.exchange.solve(path)
-    >>> answer.solved, answer.r.tolist()
+    >>> answer.converged, answer.r.tolist()
     (True, [2.0, -1.0])
     """
     raw = _core.solve_problem(path_of(path))

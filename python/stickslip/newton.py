@@ -11,16 +11,15 @@ For every r > 0 the zeros are the solutions of the increment. Unknowns p_t stand
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import ArrayLike
 
 from ._arrays import Array, forces_of, tangential, vector
+from ._problem import ContactProblem
 
-if TYPE_CHECKING:
-    from ._problem import ContactProblem
 
 class Natural:
     """The natural map of one increment.
@@ -42,8 +41,8 @@ class Natural:
 
     Attributes
     ----------
-    K, C_n, C_t
-        Those of `problem`; `C_t` is a tuple with a matrix for each tangent.
+    problem, force, gap, w_t_last, r, mu
+        As given, in full shape.
 
     Raises
     ------
@@ -78,9 +77,7 @@ class Natural:
         if (self.r <= 0).any():
             raise ValueError("r is not above 0")
         self.mu: Array = problem.mu if mu is None else vector("mu", mu, n_c)
-        self.K: Any = problem.K
-        self.C_n: Any = problem.C_n
-        self.C_t: Any = problem.C_t
+        self._K, self._C_n, self._C_t = problem.K, problem.C_n, problem.C_t
 
     def __repr__(self) -> str:
         return f"<Natural map of {self.problem!r}>"
@@ -89,7 +86,7 @@ class Natural:
         n_c, d = self.problem.n_c, self.problem.tangents
         u, p_n = vector("u", u, self.problem.n_u), vector("p_n", p_n, n_c)
         p_t = tangential("p_t", p_t, n_c, d)
-        pi = p_n + self.r * (self.C_n @ u - self.gap)
+        pi = p_n + self.r * (self._C_n @ u - self.gap)
         tau = p_t + self.r[:, None] * (self.problem.slip(u) - self.w_t_last)
         return u, p_n, p_t, pi, tau
 
@@ -107,8 +104,8 @@ class Natural:
             N: of the nodes' balance, of p_n, and of p_t tangent after tangent.
         """
         u, p_n, p_t, pi, tau = self._trial(u, p_n, p_t)
-        balance = self.K @ u + self.C_n.T @ p_n - self.force
-        for d, C in enumerate(self.C_t):
+        balance = self._K @ u + self._C_n.T @ p_n - self.force
+        for d, C in enumerate(self._C_t):
             balance = balance + C.T @ p_t[:, d]
         radius, size = self.mu * np.maximum(pi, 0.0), np.linalg.norm(tau, axis=1)
         shrink = np.where(size > radius, radius / np.where(size > 0, size, 1.0), 1.0)
@@ -140,14 +137,14 @@ class Natural:
             return sp.csr_array(sp.diags(values))
 
         turns = self.mu * closed * slides
-        rows: list[list[Any]] = [[self.K, self.C_n.T, *[C.T for C in self.C_t]]]
-        rows.append([-diagonal(closed * self.r) @ self.C_n, diagonal(1.0 - closed), *[None] * d])
+        rows: list[list[Any]] = [[self._K, self._C_n.T, *[C.T for C in self._C_t]]]
+        rows.append([-diagonal(closed * self.r) @ self._C_n, diagonal(1.0 - closed), *[None] * d])
         for a in range(d):
-            of_u = -diagonal(turns * along[:, a] * self.r) @ self.C_n
+            of_u = -diagonal(turns * along[:, a] * self.r) @ self._C_n
             of_t = []
             for b in range(d):
                 share = ratio * (float(a == b) - np.where(slides, along[:, a] * along[:, b], 0.0))
-                of_u = of_u - diagonal(share * self.r) @ self.C_t[b]
+                of_u = of_u - diagonal(share * self.r) @ self._C_t[b]
                 of_t.append(diagonal(float(a == b) - share))
             rows.append([of_u, -diagonal(turns * along[:, a]), *of_t])
         return sp.csc_array(sp.bmat(rows, format="csc"))

@@ -106,7 +106,7 @@ def from_siconos(M: Any, H: Any, q: ArrayLike, b: ArrayLike, mu: ArrayLike) -> P
     --------
     >>> import numpy as np, stickslip as ss
     >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
-    >>> _, M, H, q, b, mu = problem.to_siconos([40.0, -100.0], gap=1e-5)
+    >>> _, M, H, q, b, mu = ss.siconos.to_siconos(problem, [40.0, -100.0], gap=1e-5)
     >>> posed = ss.siconos.from_siconos(M, H, q, b, mu)
     >>> posed.force, posed.gap
     (array([  40., -100.]), array([1.e-05]))

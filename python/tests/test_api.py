@@ -26,13 +26,13 @@ def small() -> ss.ContactProblem:
 def objects() -> dict[str, Any]:
     problem = small()
     result = problem.solve(HISTORY["force"])
-    errors = ss.errors(problem, [40.0, -100.0], result.u[1], result.p_n[1], result.p_t[1])
-    posed = ss.siconos.from_siconos(*problem.to_siconos([40.0, -100.0])[1:])
+    errors = ss.measure(problem, [40.0, -100.0], result.u[1], result.p_n[1], result.p_t[1])
+    posed = ss.siconos.from_siconos(*ss.siconos.to_siconos(problem, [40.0, -100.0])[1:])
     table = ss.compare(problem, {"Newton": "bn"}, history=HISTORY)
     return {
         "problem": problem, "condensed": problem.condense(), "result": result, "errors": errors, "posed": posed, "table": table,
         "verdict": table["Newton"], "results": problem.solve_many([40.0, -100.0], mus=[0.1, 0.2]), "natural": Natural(problem, [40.0, -100.0]),
-        "siconos": problem.to_siconos([40.0, -100.0]),
+        "siconos": ss.siconos.to_siconos(problem, [40.0, -100.0]),
     }
 
 
@@ -46,10 +46,10 @@ def test_reprs_are_short_and_all_but_live_objects_pickle(name: str) -> None:
 
 def test_results_have_the_names_of_scipy() -> None:
     result = small().solve(HISTORY["force"])
-    assert result.success is True and result.message == "converged" and result.nit == sum(r["iterations"] for r in result.records) > 0
+    assert result.converged is True and result.message == "converged" and result.nit == sum(r["iterations"] for r in result.records) > 0
     with pytest.warns(ss.NotConvergedWarning):
         failed = ss.Model(block(6)).problem.solve(ss.Model(block(6)).history["force"], gap=1e-5, max_iterations=1, setting="paper")
-    assert failed.success is False and failed.message.startswith("max-iterations in increment")
+    assert failed.converged is False and failed.message.startswith("max-iterations in increment")
 
 
 def test_words_are_those_of_the_core() -> None:
@@ -87,7 +87,7 @@ def test_arguments_of_another_shape_are_named() -> None:
     p = small()
     for name, call in {
         "w_t_last": lambda: p.solve_increment([1.0, 1.0], w_t_last=[1.0, 2.0]), "u": lambda: p.slip([1.0]),
-        "p_t": lambda: p.residual([0.0, 0.0], [0.0], [1.0, 2.0], force=[0.0, 0.0]), "r": lambda: Natural(p, [0.0, 0.0], r=0.0),
+        "p_t": lambda: Natural(p, [0.0, 0.0]).residual([0.0, 0.0], [0.0], [1.0, 2.0]), "r": lambda: Natural(p, [0.0, 0.0], r=0.0),
         "drift": lambda: p.stepper().step([1.0, 1.0], drift=[1.0, 2.0]), "C_n": lambda: p.with_(C_n=[[1.0]]),
     }.items():
         with pytest.raises(ValueError, match=f"^{name} "):

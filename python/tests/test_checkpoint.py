@@ -51,7 +51,7 @@ def test_a_run_that_goes_on_is_the_whole_run(method: str, options: dict[str, Any
     file = left(model, tmp_path / "run.ckpt", **options)
     seen = []
     rest = model.run(checkpoint=file, callback=lambda index, *_: seen.append(index), **options)
-    assert seen[0] == 8 and seen[-1] == len(model.times)
+    assert seen[0] == 8 and seen[-1] == len(model.t)
     for name in ARRAYS:
         assert np.array_equal(getattr(whole, name), getattr(rest, name)), name
     assert rest.kept == whole.kept and (rest.iterations["increment"] == whole.iterations["increment"]).all()

@@ -22,7 +22,7 @@ def test_it_is_the_study_of_the_program(tmp_path: Path) -> None:
     scene.write_text(ss.Model(ss.Scene.example("block"), SMALL)._core.text)
     study = ss.converge(scene, "friction_work", to=0.05)
     told = json.loads(program("converge", str(scene), "--for", "friction_work", "--to", "0.05", "--json").stdout)
-    assert study.known and study.verdict == told["verdict"] and study.unit == "J/m"
+    assert study.known and study.status == told["verdict"] and study.unit == "J/m"
     for key in ("value", "uncertainty", "extrapolated", "order_mesh"):
         assert getattr(study, key) == pytest.approx(told[key], rel=1e-12)
     assert [run["mesh"] for run in study.runs] == [run["mesh"] for run in told["runs"]]
@@ -65,7 +65,7 @@ def test_wrong_scenes() -> None:
     with pytest.raises(FileNotFoundError):
         ss.converge("nowhere.toml", "force")
     slides = ss.converge(ss.Scene.example("block"), "force", overrides={**SMALL, "contact.friction": 0.1})
-    assert slides.verdict == "not-converged" and not slides.known and slides.uncertainty is None and "--" not in slides.message
+    assert slides.status == "not-converged" and not slides.known and slides.uncertainty is None and "--" not in slides.message
 
 
 @pytest.mark.parametrize("name, options", [

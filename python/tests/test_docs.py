@@ -28,7 +28,7 @@ def test_pages_have_no_outputs(page: Path) -> None:
     assert not any(cell.get("outputs") or cell.get("execution_count") for cell in cells)
 
 
-MODULES = ("_options", "_problem", "_matrices", "_many", "_condensed", "_stepper", "_judge", "_compare", "newton", "siconos")
+MODULES = ("_options", "_problem", "_matrices", "_many", "_stepper", "_judge", "_compare", "newton", "siconos")
 
 
 def public(module: str) -> Iterator[tuple[str, Any]]:

@@ -18,7 +18,7 @@ import stickslip
 MODULES = sorted(module.name for module in pkgutil.iter_modules(stickslip.__path__) if module.name not in ("_core", "__main__"))
 
 #: Those whose public names say what each parameter is.
-DOCUMENTED = ("_cite", "_errors", "_fields", "_result", "_scene", "_sweep", "builder", "exchange", "mesh", "plot")
+DOCUMENTED = ("_cite", "_errors", "_fields", "_result", "_scene", "_sweep", "builder", "exchange", "mesh")
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -131,12 +131,12 @@ def test_an_increment_goes_to_fclib_and_back(result: ss.Result, tmp_path: Path) 
     u, p_n, p_t = file.solution
     assert (u == result.u[4]).all() and (p_n == result.p_n[4]).all() and (p_t == result.p_t[4]).all()
     posed = file.posed
-    errors = ss.errors(posed.problem, posed.force, u, p_n, p_t, gap=posed.gap, w_t_last=posed.w_t_last)
-    assert errors.worst[1] < 1e-10
+    errors = ss.measure(posed.problem, posed.force, u, p_n, p_t, gap=posed.gap, w_t_last=posed.w_t_last)
+    assert errors.error < 1e-10
     answer = ss.exchange.solve(path)
-    assert answer.solved and answer.r[::2] == pytest.approx(p_n, rel=1e-9, abs=1e-6)
+    assert answer.converged and answer.r[::2] == pytest.approx(p_n, rel=1e-9, abs=1e-6)
     result.write_fclib(path, 4, form="local")
-    assert ss.exchange.solve(path).solved
+    assert ss.exchange.solve(path).converged
     with pytest.raises(ValueError, match="path: .* has the local form"):
         ss.exchange.read(path)
     (tmp_path / "nothing.txt").write_text("no problem")

@@ -11,6 +11,7 @@ import scipy.sparse as sp
 import stickslip as ss
 from scenes import SCENES, block, needs
 from stickslip import siconos
+from stickslip.newton import Natural
 
 
 def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
@@ -18,13 +19,13 @@ def test_the_judge_agrees_with_the_run_and_sees_wrong_answers() -> None:
     result, p = model.run(), model.problem
     scales: tuple[float, ...] = ()
     for k in range(len(result.t)):
-        judged = ss.errors(p, result.force[k], (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k],
+        judged = ss.measure(p, result.force[k], (result.u[k], result.u_rest[k]), result.p_n[k], result.p_t[k],
                            gap=result.gap[k], w_t_last=result.w_t_last[k], scales=scales)
         scales = judged.scales
         np.testing.assert_allclose([getattr(judged, law) for law in ss.LAWS], result.errors[k], rtol=1e-6, atol=1e-13)
         assert (judged.contact == result.contact[k]).all()
-    wrong = ss.errors(p, result.force[-1], result.u[-1], result.p_n[-1], -result.p_t[-1], gap=1e-5)
-    assert wrong.worst[1] > 1e-3
+    wrong = ss.measure(p, result.force[-1], result.u[-1], result.p_n[-1], -result.p_t[-1], gap=1e-5)
+    assert wrong.error > 1e-3
 
 
 def test_arrays_that_a_solver_overwrites_are_its_own() -> None:
@@ -36,16 +37,16 @@ def test_arrays_that_a_solver_overwrites_are_its_own() -> None:
         return np.zeros(2), np.zeros(1), np.zeros(1)
 
     history = {"force": [[40.0, -100.0], [40.0, -200.0]]}
-    assert not ss.judge(problem, nothing, history=history).holds
+    assert not ss.judge(problem, nothing, history=history).converged
 
     def complex_answer(posed: ss.Posed) -> tuple[Any, Any, Any]:
         result = posed.problem.solve_increment(posed.force, gap=posed.gap, w_t_last=posed.w_t_last)
         return result.u[0] + 5j, result.p_n[0], result.p_t[0]
 
     judged = ss.judge(problem, complex_answer, history=history)
-    assert not judged.holds and "u is complex" in judged.remark
+    assert not judged.converged and "u is complex" in judged.reason
     judged = ss.judge(problem, lambda posed: (np.ma.array([0.0, 0.0], mask=[True, False]), [0.0], [0.0]), history=history)
-    assert not judged.holds and "u has masked entries" in judged.remark
+    assert not judged.converged and "u has masked entries" in judged.reason
 
 
 def test_each_law_is_seen_by_itself() -> None:
@@ -53,7 +54,7 @@ def test_each_law_is_seen_by_itself() -> None:
     p = ss.ContactProblem(K, C_n, C_t, 0.5)
 
     def worst(force: list[float], u: list[float], p_n: float, p_t: float) -> str:
-        return ss.errors(p, force, u, [p_n], [p_t]).worst[0]
+        return ss.measure(p, force, u, [p_n], [p_t]).law
 
     assert worst([1.0, 0.0], [0.5, 0.0], 0.0, 0.0) in ("equilibrium", "penetration")
     assert worst([1.0, 0.0], [1.0, 0.0], 0.0, 0.0) == "penetration"
@@ -68,7 +69,7 @@ def test_compare_marks_what_is_wrong() -> None:
     result = model.run()
 
     def honest(posed: ss.Posed) -> tuple[object, object, object]:
-        k = posed.index - 1
+        k = posed.increment - 1
         return result.u[k], result.p_n[k], result.p_t[k]
 
     def turned(posed: ss.Posed) -> tuple[object, object, object]:
@@ -79,8 +80,8 @@ def test_compare_marks_what_is_wrong() -> None:
         raise RuntimeError("no luck")
 
     table = ss.compare(model, {"stickslip": "stickslip", "ip": "ip", "honest": honest, "turned": turned, "silent": silent})
-    assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False, False]
-    assert table["silent"].remark == "increment 1: RuntimeError: no luck"
+    assert [verdict.converged for verdict in table.values()] == [True, True, True, False, False]
+    assert table["silent"].reason == "increment 1: RuntimeError: no luck"
     assert str(table).count("WRONG") == 2 and table._repr_html_().count("#cf222e") == 2
     needs("pandas")
     assert list(table.to_pandas().index) == ["stickslip", "ip", "honest", "turned", "silent"]
@@ -97,18 +98,18 @@ def lubricated() -> ss.Model:
 def test_compare_solves_and_judges_with_the_friction_of_the_history() -> None:
     model = lubricated()
     table = ss.compare(model, {"scene": "stickslip", "bn": "bn", "ip": "ip", "events": "events"})
-    assert [verdict.holds for verdict in table.verdicts] == [True, True, True, False]
-    assert "mu" in table["events"].remark and table["events"].law == "no answer"
+    assert [verdict.converged for verdict in table.values()] == [True, True, True, False]
+    assert "mu" in table["events"].reason and table["events"].law == "no answer"
     for name in ("bn", "ip"):
         np.testing.assert_allclose(table[name].p_t[-1], table["scene"].p_t[-1], atol=1e-7 * table["scene"].p_n.max())
     # What was solved with another friction than the one that was asked for is seen.
     history = {key: model.history[key] for key in ("force", "gap", "drift")}
     asked = {**history, "mu": 0.5 * model.history["mu"]}
     result = model.run()
-    wrong = ss.compare(model, {"as the scene is": lambda posed: _answer(result, posed.index - 1)}, history=asked)
-    assert not wrong.verdicts[0].holds and wrong.verdicts[0].law == "cone"
+    wrong = ss.compare(model, {"as the scene is": lambda posed: _answer(result, posed.increment - 1)}, history=asked)
+    assert not wrong["as the scene is"].converged and wrong["as the scene is"].law == "cone"
     right = ss.compare(model, {"bn": "bn", "scene": "stickslip"}, history=asked)
-    assert right["bn"].holds and right["scene"].holds
+    assert right["bn"].converged and right["scene"].converged
 
 
 def _answer(result: ss.Result, k: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -130,8 +131,8 @@ def test_friction_that_changes_on_given_matrices(method: str) -> None:
         one = p.solve_increment(force, gap=h["gap"][k + 1], w_t_last=w, mu=h["mu"][k], method=method).check()
         np.testing.assert_allclose(one.p_t[0], result.p_t[k], rtol=0, atol=1e-8 * result.p_n.max())
         state, w = (one.u[0], one.p_n[0], one.p_t[0]), p.slip(one.u[0])
-        data = {"force": force, "gap": h["gap"][k + 1], "w_t_last": one.w_t_last[0], "mu": h["mu"][k]}
-        assert abs(p.residual(*state, **data)).max() < 1e-7 * result.p_n.max()
+        natural = Natural(p, force, gap=h["gap"][k + 1], w_t_last=one.w_t_last[0], mu=h["mu"][k])
+        assert abs(natural.residual(*state)).max() < 1e-7 * result.p_n.max()
     assert (siconos.to_siconos(p, h["force"][-1], mu=h["mu"][-1]).mu == h["mu"][-1]).all()
 
 
@@ -153,7 +154,7 @@ def test_friction_is_there_at_all_times_or_never() -> None:
 def test_compare_says_of_a_word_why_there_is_no_answer() -> None:
     model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [8, 4], "contact.friction": 0.1})
     table = ss.compare(model.problem, {"bn": "bn"}, history={"force": model.history["force"]})
-    assert not table["bn"].holds and table["bn"].remark
+    assert not table["bn"].converged and table["bn"].reason
     with pytest.raises(ValueError, match="newton"):
         ss.compare(model, {"mine": "newton"})
 
@@ -180,7 +181,7 @@ def test_signs_of_siconos_there_and_back(scene: object, overrides: dict[str, obj
     posed = siconos.from_siconos(M, H, q, b, mu)
     assert abs(posed.problem.C_n - p.C_n).max() == 0 and (posed.w_t_last == w).all() and (posed.gap == gap).all()
     again = siconos.answer(posed.problem, v, r.ravel())
-    assert ss.errors(posed.problem, posed.force, *again, gap=posed.gap, w_t_last=posed.w_t_last).worst[1] < 1e-9
+    assert ss.measure(posed.problem, posed.force, *again, gap=posed.gap, w_t_last=posed.w_t_last).error < 1e-9
 
 
 def test_matrices_of_another_assembly_are_the_same_body() -> None:
@@ -240,7 +241,7 @@ def test_judge_takes_the_words_of_compare() -> None:
     model = ss.Model(block(n=4, increments=4))
     for word in ("bn", "ip", "events", "stickslip"):
         verdict, row = ss.judge(model, word), ss.compare(model, {word: word})[word]
-        assert verdict.holds and verdict.name == word and (verdict.errors == row.errors).all() and (verdict.p_n == row.p_n).all()
+        assert verdict.converged and verdict.name == word and (verdict.errors == row.errors).all() and (verdict.p_n == row.p_n).all()
     assert ss.judge(model, "ip", name="interior point").name == "interior point"
     with pytest.raises(ValueError, match="^solver is 'newton', expected one of bn, ip, events, stickslip or a function"):
         ss.judge(model, "newton")
@@ -255,8 +256,8 @@ def test_judge_takes_the_words_of_compare() -> None:
 
 def test_a_history_of_a_model_is_taken() -> None:
     model = ss.Model(block(4, 4))
-    assert ss.judge(model.problem, "bn", history=model.history).holds
-    assert ss.compare(model.problem, {"mine": "ip"}, history=model.history)["mine"].holds
+    assert ss.judge(model.problem, "bn", history=model.history).converged
+    assert ss.compare(model.problem, {"mine": "ip"}, history=model.history)["mine"].converged
     with pytest.raises(TypeError, match="history: a dictionary expected, such as that of Model.history, list found"):
         ss.judge(model.problem, "bn", history=[1.0])  # type: ignore[arg-type]
 
@@ -277,22 +278,22 @@ def test_a_tolerance_is_a_number_of_0_or_more(tolerance: Any, kind: type[Excepti
     for ask in (lambda: ss.judge(problem, "bn", history=history, tolerance=tolerance), lambda: ss.compare(problem, {"a": "bn"}, history=history, tolerance=tolerance)):
         with pytest.raises(kind, match="tolerance"):
             ask()
-    assert ss.judge(problem, "bn", history=history, tolerance=np.float32(1e-8)).holds  # type: ignore[arg-type]
+    assert ss.judge(problem, "bn", history=history, tolerance=np.float32(1e-8)).converged  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("scales", [(float("nan"), 1.0), (-1.0, 1.0), (1.0,), 3.0])
 def test_scales_are_those_of_errors(scales: Any) -> None:
     problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     with pytest.raises(ValueError, match="scales"):
-        ss.errors(problem, [40.0, -100.0], [0.0, 0.0], [1.0], scales=scales)
+        ss.measure(problem, [40.0, -100.0], [0.0, 0.0], [1.0], scales=scales)
 
 
 def test_rounding_is_no_violation() -> None:
     problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     result = problem.solve_increment([40.0, -100.0])
-    judged = ss.errors(problem, [40.0, -100.0], result.u[0] * (1 + 1e-14), result.p_n[0], result.p_t[0])
+    judged = ss.measure(problem, [40.0, -100.0], result.u[0] * (1 + 1e-14), result.p_n[0], result.p_t[0])
     assert repr(judged).startswith("<Errors: largest error ") and "violated" not in repr(judged) + judged._repr_html_()
-    wrong = ss.errors(problem, [40.0, -100.0], result.u[0] * 1.1, result.p_n[0], result.p_t[0])
+    wrong = ss.measure(problem, [40.0, -100.0], result.u[0] * 1.1, result.p_n[0], result.p_t[0])
     assert "violated by" in repr(wrong)
 
 
@@ -302,7 +303,7 @@ FORCE = [40.0, -100.0]
 
 def test_a_tuple_of_two_numbers_is_one_vector() -> None:
     for u in ((5e-6, 0.0), [5e-6, 0.0], ([5e-6, 0.0], [0.0, 0.0]), ([5e-6, 0.0], None)):
-        assert ss.errors(PROBLEM, FORCE, u, [100.0], [30.0]).worst[1] < 1e-12  # type: ignore[arg-type]
+        assert ss.measure(PROBLEM, FORCE, u, [100.0], [30.0]).error < 1e-12  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("solver", ["bn", lambda posed: (np.zeros(2), [0.0], [[0.0]])])
@@ -327,7 +328,7 @@ def test_a_solver_cannot_change_the_history_that_judges_it() -> None:
         history["force"][...] = 0.0
         return np.zeros(2), np.zeros(1), np.zeros(1)
 
-    assert not ss.judge(PROBLEM, nothing, history=history).holds
+    assert not ss.judge(PROBLEM, nothing, history=history).converged
 
 
 def test_a_word_solves_a_model_at_the_times_of_its_scene() -> None:
@@ -337,10 +338,10 @@ def test_a_word_solves_a_model_at_the_times_of_its_scene() -> None:
     with pytest.MonkeyPatch.context() as patch:
         told: list[Any] = []
         solve = ss.ContactProblem.solve
-        patch.setattr(ss.ContactProblem, "solve", lambda *all, **named: told.append(named["times"]) or solve(*all, **named))
+        patch.setattr(ss.ContactProblem, "solve", lambda *all, **named: told.append(named["t"]) or solve(*all, **named))
         ss.judge(model, "bn")
         ss.judge(model, "bn", history={"force": model.history["force"][:3], "gap": model.history["gap"][:4]})
-    assert (told[0] == model.times).all() and told[1] is None
+    assert (told[0] == model.t).all() and told[1] is None
 
 
 def test_a_method_that_is_not_made_for_a_problem_is_not_wrong() -> None:
@@ -348,7 +349,7 @@ def test_a_method_that_is_not_made_for_a_problem_is_not_wrong() -> None:
     with pytest.raises(ValueError, match="^solver 'events' is not applicable: "):
         ss.judge(cube, "events")
     table = ss.compare(cube, {"path": "events", "Newton": "bn"})
-    assert table["path"].remark.startswith("not applicable: ") and not table["path"].holds and table["Newton"].holds
+    assert table["path"].reason.startswith("not applicable: ") and not table["path"].converged and table["Newton"].converged
     for words in (str(table), repr(table["path"]), table._repr_html_()):
         assert "WRONG" not in words and "not applicable" in words and "#cf222e" not in words
     needs("matplotlib")
@@ -359,4 +360,4 @@ def test_names_and_problems_of_the_judge() -> None:
     with pytest.raises(TypeError, match="^solvers: names are words, 5 found"):
         ss.compare(PROBLEM, {5: "bn"}, history={"force": [FORCE]})  # type: ignore[dict-item]
     with pytest.raises(TypeError, match="^problem: a ContactProblem expected, NoneType found"):
-        ss.errors(None, FORCE, [0.0, 0.0], [0.0])  # type: ignore[arg-type]
+        ss.measure(None, FORCE, [0.0, 0.0], [0.0])  # type: ignore[arg-type]

@@ -8,6 +8,8 @@ import pickle
 import signal
 import threading
 import time
+import tracemalloc
+import weakref
 from pathlib import Path
 from typing import Any
 
@@ -38,14 +40,14 @@ def test_many_are_as_one_by_one(method: Any, linear: Any) -> None:
     p, h = model.problem, model.history
     mus = fields(p)
     shared = {"gap": h["gap"], "method": method, "linear": linear}
-    many = p.solve_many(h["cases"], h["factors"], mus=mus, threads=2, keep_u="all", **shared).check()
+    many = p.solve_many(*model.loads, mus=mus, workers=2, keep_u="all", **shared).check()
     assert len(many) == 5 and many.converged.all()
     for mu, result in zip(mus, many):
-        anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu).solve(h["cases"], h["factors"], **shared).check()
+        anew = ss.ContactProblem(p.K, p.C_n, p.C_t, mu).solve(*model.loads, **shared).check()
         same(result, anew)
         np.testing.assert_allclose(result.u, anew.u, rtol=0, atol=1e-12 * abs(anew.u).max())
-    for threads in (1, 3):
-        again = p.solve_many(h["cases"], h["factors"], mus=mus, threads=threads, **shared)
+    for workers in (1, 3):
+        again = p.solve_many(*model.loads, mus=mus, workers=workers, **shared)
         assert (again.stack("p_t") == many.stack("p_t")).all(), "threads change nothing, to the last bit"
 
 
@@ -68,7 +70,7 @@ def test_a_failure_does_not_lose_the_others() -> None:
     forces = [h["force"], h["force"] + np.tile([1e3, 0.0], p.n_u // 2), h["force"][:3]]
     with pytest.warns(ss.NotConvergedWarning, match=r"1 of 3 histories did not converge \(1\)"):
         many = p.solve_many(forces=forces)
-    assert many.converged.tolist() == [True, False, True] and not many[1].success and many[1].message
+    assert many.converged.tolist() == [True, False, True] and not many[1].converged and many[1].message
     assert repr(many) == "<Results of 3 histories, 1 not converged: 1>"
     same(many[0], p.solve(h["force"]))
     stacked = many.stack("p_n")
@@ -90,7 +92,7 @@ def test_dependent_contacts_share_their_force_here_too() -> None:
     (r"^mus\[1\] is negative", {"mus": [0.1, -0.1]}), (r"^mus\[0\] has the shape", {"mus": [[0.1] * 3]}),
     (r"^forces\[1\] has the shape", {"forces": [np.ones(4), np.ones(3)]}), (r"^gaps\[0\] is not finite", {"gaps": [np.nan]}),
     ("^forces, gaps and mus are missing", {}), ("^mus has 1 entry, gaps|^gaps has 2 entries, mus has 1 entry:", {"mus": [0.1], "gaps": [0.0, 0.0]}),
-    ("^threads", {"mus": [0.1], "threads": 0}), ("^force is missing", {"mus": [0.1], "force": None}), ("^method", {"mus": [0.1], "method": "newton"}),
+    ("^workers", {"mus": [0.1], "workers": 0}), ("^force is missing", {"mus": [0.1], "force": None}), ("^method", {"mus": [0.1], "method": "newton"}),
     ("^tolerance", {"mus": [0.1], "tolerance": 2.0}), ("weight", {"mus": [0.1], "setting": "paper"}), ("^gaps: give", {"gaps": [0.0], "gap": 1.0}),
 ])
 def test_wrong_input_is_named_before_anything_is_computed(message: str, arguments: dict[str, Any]) -> None:
@@ -109,7 +111,7 @@ def test_a_solver_of_ones_own_is_refused() -> None:
 
 
 @pytest.mark.parametrize("arguments", [
-    {"threads": "2"}, {"threads": 1.5}, {"threads": 0}, {"threads": 2**70}, {"mus": 0.3}, {"mus": {0.1, 0.2}}, {"mu": 0.3},
+    {"workers": "2"}, {"workers": 1.5}, {"workers": 0}, {"workers": 2**70}, {"mus": 0.3}, {"mus": {0.1, 0.2}}, {"mu": 0.3},
     {"max_iterations": -1}, {"max_iterations": 2**70}, {"keep_u": [9]},
 ])
 def test_arguments_of_another_kind_are_named(arguments: dict[str, Any]) -> None:
@@ -128,12 +130,52 @@ def test_an_interrupt_comes_out() -> None:
     begun = time.monotonic()
     try:
         with pytest.raises(KeyboardInterrupt):
-            p.solve_many(h["cases"], h["factors"], gap=1e-5, mus=fields(p, 5000), keep_u="none")
+            p.solve_many(*model.loads, gap=1e-5, mus=fields(p, 5000), keep_u="none")
             # Done before the signal on a very fast machine: then it comes here.
             time.sleep(5)
     finally:
         timer.cancel()
     assert time.monotonic() - begun < 30
+
+
+def test_values_of_results_are_kept_in_the_order_of_the_input() -> None:
+    model = ss.Model(block(6))
+    p, mus = model.problem, fields(model.problem, 12)
+    shared = {"gap": model.history["gap"], "keep_u": "all"}
+    expected = [result.u.sum() for result in p.solve_many(*model.loads, mus=mus, **shared)]
+    threads, alive, most = set(), weakref.WeakSet[ss.Result](), 0
+
+    def reduce(result: ss.Result) -> float:
+        nonlocal most
+        threads.add(threading.get_ident())
+        alive.add(result)
+        most = max(most, len(alive))
+        return float(result.u.sum())
+
+    assert p.solve_many(*model.loads, mus=mus, workers=2, reduce=reduce, **shared) == expected
+    assert threads == {threading.get_ident()} and most <= 2, "no result outlives its value"
+    with pytest.raises(ZeroDivisionError):
+        p.solve_many(*model.loads, mus=mus, workers=2, reduce=lambda result: 1 / 0, **shared)
+    with pytest.raises(TypeError, match="^reduce: a function expected, str found"):
+        p.solve_many(*model.loads, mus=mus, reduce="sum", **shared)
+    with pytest.warns(ss.NotConvergedWarning, match=r"12 of 12 histories did not converge .*; 0: max-iterations"):
+        assert p.solve_many(*model.loads, mus=mus, max_iterations=1, setting="paper", reduce=lambda r: r.converged, **shared) == [False] * 12
+
+
+def test_memory_does_not_grow_with_histories_that_are_reduced() -> None:
+    model = ss.Model(block(10, 40))
+    small, mus = model.problem.condense(), fields(model.problem, 80)
+    loads = small.reduce(model.history["force"])
+
+    def of_a_history(reduce: Any) -> float:
+        """kB."""
+        tracemalloc.start()
+        kept = small.solve_many(loads, gap=1e-5, mus=mus, workers=2, reduce=reduce)
+        most = tracemalloc.get_traced_memory()[1] / len(kept) / 1e3
+        tracemalloc.stop()
+        return most
+
+    assert of_a_history(None) > 50.0 > 15.0 > of_a_history(lambda result: result.p_t[-1].sum())
 
 
 def test_progress_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
@@ -176,6 +218,23 @@ def test_other_contact_on_one_body() -> None:
         p.with_(weight=-1.0)
 
 
+def test_another_stiffness_under_one_contact() -> None:
+    model = ss.Model(block(6))
+    p, force = model.problem, model.history["force"]
+    stiff = p.with_(K=2.0 * p.K)
+    np.testing.assert_allclose(stiff.solve(2.0 * force, gap=1e-5).u, p.solve(force, gap=1e-5).u, rtol=0, atol=1e-12)
+    assert (stiff.weight == p.weight).all() and (stiff.mu == p.mu).all() and (stiff.C_t[0] != p.C_t[0]).nnz == 0
+    part = p.with_(K=2.0 * p.K, C_n=p.C_n[2:5], C_t=p.C_t[0][2:5], mu=0.2, weight=p.weight[2:5])
+    assert part.n_c == 3 and (part.mu == 0.2).all() and abs(part.K - 2.0 * p.K).max() == 0
+    loose = ss.ContactProblem(np.eye(2), [[0, -1]]).with_(K=np.diag([0.0, 1.0]))
+    assert loose.free_motions.shape == (1, 2) and loose.C_t == ()
+    for K, message in ((np.eye(3), "^C_n has the shape"), ([[1.0, 2.0], [0.0, 1.0]], "^K is not symmetric")):
+        with pytest.raises(ValueError, match=message):
+            loose.with_(K=K)
+    with pytest.raises(ValueError, match="^K, C_n and C_t decide to what a body is condensed"):
+        p.condense().with_(K=p.K)
+
+
 @pytest.mark.parametrize("scene", [block(8), SCENES / "cube.toml"])
 def test_a_condensed_problem_is_the_whole_one(scene: Any) -> None:
     model = ss.Model(scene, {} if isinstance(scene, ss.Scene) else {"mesh.elements": [3, 3, 3]})
@@ -189,8 +248,8 @@ def test_a_condensed_problem_is_the_whole_one(scene: Any) -> None:
     lifted = small.lift(part.u, h["force"])
     np.testing.assert_allclose(lifted, whole.u, rtol=0, atol=1e-11 * abs(whole.u).max())
     k = -1
-    judged = ss.errors(p, h["force"][k], lifted[k], part.p_n[k], part.p_t[k], gap=h["gap"][k], w_t_last=whole.w_t_last[k])
-    assert judged.worst[1] < 1e-9
+    judged = ss.measure(p, h["force"][k], lifted[k], part.p_n[k], part.p_t[k], gap=h["gap"][k], w_t_last=whole.w_t_last[k])
+    assert judged.error < 1e-9
     again = pickle.loads(pickle.dumps(small))
     np.testing.assert_allclose(again.lift(part.u[k], h["force"][k]), lifted[k], rtol=0, atol=1e-12 * abs(lifted).max())
     slippery = small.with_(mu=0.1)
@@ -232,7 +291,7 @@ def test_a_table_of_forces_is_few_loads_where_that_changes_nothing() -> None:
 
 
 def _sums(problem: ss.ContactProblem) -> list[float]:
-    return [float(result.p_n.sum()) for result in problem.solve_many(np.ones(problem.n_u), mus=[0.1, 0.3], gap=-1e-6, threads=2)]
+    return [float(result.p_n.sum()) for result in problem.solve_many(np.ones(problem.n_u), mus=[0.1, 0.3], gap=-1e-6, workers=2)]
 
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="fork")

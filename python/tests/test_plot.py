@@ -93,7 +93,7 @@ def test_a_round_boundary_is_drawn_along_its_length(second: bool) -> None:
     }
     given = ss.mesh.from_arrays(points, cells, {"inside": inside, "outside": outside})
     result = ss.run(scene, mesh=given)
-    from stickslip.plot import _curves
+    from stickslip._plot import _curves
 
     ((_, nodes, length),) = _curves(result.model)
     steps = np.diff(length)

@@ -115,10 +115,14 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     (r"max_iterations: ", ran(max_iterations=0)),
     (r"max_iterations: ", ran(max_iterations=2.5)),
     (r"tolerance: ", ran(tolerance=2.0)),
-    (r"increments: ", ran(increments="some")),
-    (r"increments: ", ran(increments=0)),
-    (r"increments: ", ran(increments=1.5)),
-    (r"increments: .*stickslip.converge", ran(increments="auto")),
+    (r"time\.increments: ", overridden("time.increments", "some")),
+    (r"time\.increments is 0", overridden("time.increments", 0)),
+    (r"time\.increments: ", overridden("time.increments", 1.5)),
+    (r"time\.increments: ", overridden("time.increments", [5])),
+    (r"time\.increments: ", overridden("time.increments", 10**30)),
+    (r"time\.increments: ", overridden("time.increments", np.nan)),
+    (r"time\.increments is 0", lambda: ss.Model(block(n=4)).with_({"time.increments": 0})),
+    (r"overrides: ", lambda: ss.Model(block(n=4)).with_(5)),  # type: ignore[arg-type]
     (r".*unexpected keyword argument 'magic'", ran(magic=1)),
     (r".*unexpected keyword argument 'companion'", ran(companion=True)),
     # Sweeps.
@@ -128,7 +132,7 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     (r"vary\[\('time.end', 'time.increments'\)\]: ", swept({("time.end", "time.increments"): [1.0]})),
     (r"vary: 'time.end' is there twice", swept({"time.end": [1.0], ("time.end", "time.increments"): [(1.0, 2)]})),
     (r"vary: ", swept({3: [1.0]})),
-    (r"jobs: ", swept({"contact.friction": [0.3]}, jobs=0)),
+    (r"workers is ", swept({"contact.friction": [0.3]}, workers=0)),
     (r"quantities\['a'\]: ", lambda: ss.sweep(block(n=4, increments=2), {"contact.friction": [0.3]}).table({"a": 3})),  # type: ignore[dict-item]
     # Meshes.
     (r"points", made(points=POINTS[:, 0])),
@@ -184,7 +188,7 @@ def test_wrong_input_is_one_clear_error(number: int, tmp_path: Path, monkeypatch
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("call", [ss.run, ss.Model, ss.Scene.from_file, ss.Result.load])
+@pytest.mark.parametrize("call", [ss.run, ss.Model, ss.Scene.from_file, ss.load])
 def test_a_file_that_is_not_there(call: Callable[..., object]) -> None:
     with pytest.raises(FileNotFoundError, match="nowhere"):
         call("nowhere.toml")
@@ -196,13 +200,12 @@ def test_a_file_that_is_no_result(tmp_path: Path) -> None:
     np.savez(tmp_path / "c.npz", words=np.array("[]"))
     for name in "abc":
         with pytest.raises(ValueError, match="path: .* was not written by Result.save"):
-            ss.Result.load(tmp_path / f"{name}.npz")
+            ss.load(tmp_path / f"{name}.npz")
 
 
 @pytest.mark.parametrize("name, options", [
     ("max_iterations", {"max_iterations": 10**30}), ("max_iterations", {"max_iterations": "a"}), ("max_iterations", {"max_iterations": np.nan}),
-    ("increments", {"increments": 10**30}), ("increments", {"increments": np.nan}), ("increments", {"increments": np.inf}),
-    ("increments", {"increments": [5]}), ("increments", {"increments": np.array([5, 6])}), ("tolerance", {"tolerance": "a"}),
+    ("tolerance", {"tolerance": "a"}),
 ])
 def test_numbers_of_a_run_are_named(name: str, options: dict[str, object]) -> None:
     with pytest.raises(ValueError, match=rf"^{name}: .* found, (expected|but must be below 2\*\*31)"):
@@ -228,9 +231,9 @@ def test_a_damaged_result_is_a_value_error(tmp_path: Path) -> None:
         damaged[random.integers(len(whole))] ^= 1 << random.integers(8)
         path.write_bytes(damaged.tobytes())
         with contextlib.suppress(ValueError):
-            ss.Result.load(path)
+            ss.load(path)
     with pytest.raises(FileNotFoundError):
-        ss.Result.load(tmp_path / "none.npz")
+        ss.load(tmp_path / "none.npz")
 
 
 @pytest.mark.parametrize("path", ["", ".", "folder/", ".."])

@@ -267,7 +267,7 @@ def run_program(case, solver, *more):
 
 def program_forces(case, solver, model, folder):
     """Forces from the contact lines of all increments, in units of the load."""
-    times = [float(f"{t:.12g}") for t in model.times]
+    times = [float(f"{t:.12g}") for t in model.t]
     out = str(folder / f"out-{solver}")
     told = run_program(case, solver, "--out", out, "--set", f"output.times={times}", "--set", "output.fields=false")
     if told["stopped"]:

@@ -72,7 +72,7 @@ def main(scene, increments, *sizes):
             if linear == "umfpack" and not ss.UMFPACK:
                 continue
             start = time.process_time()
-            result = p.solve(h["cases"], h["factors"], gap=h["gap"], drift=h["drift"], linear=linear)
+            result = p.solve(*model.loads, gap=h["gap"], drift=h["drift"], linear=linear)
             print(f"{size:>5} {linear:>10} {time.process_time() - start:8.3f} s, {len(result.iterations)} iterations", flush=True)
         own = np.concatenate([result.p_n[:, :, None], result.p_t], axis=2)
         start = time.process_time()

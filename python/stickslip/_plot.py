@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
-if TYPE_CHECKING:
-    from ._compare import Comparison
-    from ._result import Result
-    from ._scene import Model
+from ._fields import Fields, _Body
+from ._kinds import LAWS, OPEN, SLIP, STICK
 
 Array = NDArray[Any]
 
-_GOOD, _BAD = "#1a7f37", "#cf222e"
+GOOD, BAD = "#1a7f37", "#cf222e"
 #: Normal and tangential forces.
 _FORCES = ("#0072b2", "#d55e00", "#cc79a7")
 #: Code, name, colour and marker of each status: in every picture the same.
-_STATUSES = ((0, "open", "#999999", "_"), (1, "stick", "#009e73", "s"), (2, "slip", "#e69f00", "o"))
+_STATUSES = ((OPEN, "open", "#999999", "_"), (STICK, "stick", "#009e73", "s"), (SLIP, "slip", "#e69f00", "o"))
 
 
-def _axes(ax: Any) -> Any:
+def axes(ax: Any) -> Any:
+    """New axes for None."""
     if ax is not None:
         return ax
     import matplotlib.pyplot as plt
@@ -29,8 +29,8 @@ def _axes(ax: Any) -> Any:
     return plt.subplots()[1]
 
 
-def _headline(ax: Any, result: Result, text: str) -> None:
-    ax.set_title(f"{text}: {result.status}", color=_GOOD if result.converged else _BAD)
+def _headline(ax: Any, result: Fields, text: str) -> None:
+    ax.set_title(f"{text}: {result.status}", color=GOOD if result.status == "converged" else BAD)
 
 
 def _chains(points: Array, linked: Any) -> list[list[int]]:
@@ -55,10 +55,8 @@ def _chains(points: Array, linked: Any) -> list[list[int]]:
     return chains
 
 
-def _curves(model: Model) -> list[tuple[str, Array, Array]]:
+def _curves(model: _Body) -> list[tuple[str, Array, Array]]:
     """Name, contact nodes and lengths along it of each curve with contact in the plane."""
-    import scipy.sparse as sp
-
     rows = np.concatenate([np.repeat(np.arange(len(nodes)), nodes.shape[1]) for _, nodes in model.cells])
     starts = np.repeat(np.cumsum([0, *[len(nodes) for _, nodes in model.cells]])[:-1], [nodes.size for _, nodes in model.cells])
     columns = np.concatenate([nodes.ravel() for _, nodes in model.cells])
@@ -73,7 +71,7 @@ def _curves(model: Model) -> list[tuple[str, Array, Array]]:
     return curves
 
 
-def _abscissae(model: Model) -> tuple[list[tuple[str, Array, Array]], str]:
+def _abscissae(model: _Body) -> tuple[list[tuple[str, Array, Array]], str]:
     """Name, contact nodes and abscissae of each curve, and what these are: x, or lengths along the boundaries, one beside the other."""
     curves = _curves(model)
     by_x = [(name, nodes, model.contact_points[nodes, 0]) for name, nodes, _ in curves]
@@ -87,27 +85,10 @@ def _abscissae(model: Model) -> tuple[list[tuple[str, Array, Array]], str]:
     return beside, "along the boundary, m" if len(curves) == 1 else "along the boundaries, one beside the other"
 
 
-def contact(result: Result, k: int = -1, ax: Any = None) -> Any:
-    """Contact stresses of increment k (forces where there are no weights), with the statuses.
-
-    In the plane: along x, or along the boundaries where these go to and fro or lie above each other. In space: a map of the normal stress,
-    each boundary seen along the axis of its least extent. Of a problem of matrices: by the number of the contact node.
-
-    Parameters
-    ----------
-    result : Result
-        What is drawn.
-    k : int, optional
-        The increment from 0; -1 is the last.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
+def contact(result: Fields, k: int = -1, ax: Any = None) -> Any:
+    """`Result.plot`."""
     k = result._number(k)
-    ax = _axes(ax)
+    ax = axes(ax)
     model, d = result.model, result.p_t.shape[2]
     if model is None:
         normal, tangential, unit = result.p_n[k], result.p_t[k], "contact force, N"
@@ -144,7 +125,7 @@ def _name(ax: Any, places: list[tuple[str, float]]) -> None:
         ax.set_xticks([x for _, x in places], [name for name, _ in places])
 
 
-def _map(result: Result, model: Model, k: int, ax: Any, stress: Array, unit: str) -> None:
+def _map(result: Fields, model: _Body, k: int, ax: Any, stress: Array, unit: str) -> None:
     """Contact nodes in space: filled by the normal stress, outlined by the status; one boundary beside the other."""
     at, names, start, axes = np.zeros((len(stress), 2)), [], 0.0, (0, 1)
     size = np.ptp(model.contact_points, axis=0).max()
@@ -170,23 +151,9 @@ def _map(result: Result, model: Model, k: int, ax: Any, stress: Array, unit: str
     _name(ax, names)
 
 
-def convergence(result: Result, ax: Any = None) -> Any:
-    """The error of every law over the increments, on a logarithmic scale.
-
-    Parameters
-    ----------
-    result : Result
-        What is drawn.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    from ._result import LAWS
-
-    ax = _axes(ax)
+def convergence(result: Fields, ax: Any = None) -> Any:
+    """`Result.plot_convergence`."""
+    ax = axes(ax)
     for law, column in zip(LAWS, result.errors.T):
         ax.semilogy(result.t, np.where(column > 0, column, np.nan), ".-", label=law)
     ax.set_xlabel("t, s")
@@ -196,21 +163,9 @@ def convergence(result: Result, ax: Any = None) -> Any:
     return ax
 
 
-def history(result: Result, ax: Any = None) -> Any:
-    """Sums of the contact forces over time.
-
-    Parameters
-    ----------
-    result : Result
-        What is drawn.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = _axes(ax)
+def history(result: Fields, ax: Any = None) -> Any:
+    """`Result.plot_history`."""
+    ax = axes(ax)
     ax.plot(result.t, result.p_n.sum(axis=1), ".-", label="sum of p_n")
     for d in range(result.p_t.shape[2]):
         ax.plot(result.t, result.p_t[:, :, d].sum(axis=1), ".-", label="sum of p_t" if result.p_t.shape[2] == 1 else f"sum of p_t, tangent {d + 1}")
@@ -218,31 +173,4 @@ def history(result: Result, ax: Any = None) -> Any:
     ax.set_ylabel("force, N")
     ax.legend()
     _headline(ax, result, "contact forces")
-    return ax
-
-
-def comparison(table: Comparison, ax: Any = None) -> Any:
-    """Error against CPU time; what breaks a law by more than the tolerance is red.
-
-    Parameters
-    ----------
-    table : Comparison
-        What is drawn.
-    ax : matplotlib.axes.Axes, optional
-        Where to draw; new axes without it.
-
-    Returns
-    -------
-    matplotlib.axes.Axes
-    """
-    ax = _axes(ax)
-    for k, verdict in enumerate(verdict for verdict in table.verdicts if len(verdict.errors)):
-        colour, at = _GOOD if verdict.holds else _BAD, (max(verdict.seconds, 1e-6), max(verdict.error, 1e-17))
-        ax.loglog(*at, "o", color=colour)
-        # Above and below in turn, for those that are near each other.
-        ax.annotate(verdict.name, at, (0, 6 if k % 2 else -14), textcoords="offset points", ha="center", color=colour)
-    ax.margins(0.25)
-    ax.axhline(table.tolerance, linestyle=":", color="grey")
-    ax.set_xlabel("CPU time, s")
-    ax.set_ylabel("largest error of any law")
     return ax
