@@ -199,7 +199,7 @@ def test_a_cycle_is_drawn_along_the_surface(fretting, tmp_path, tab):
     stickslip("report", folder)
     tab.goto((folder / "report.html").as_uri())
     assert "5 % less than in the cycle before: it still changes" in tab.inner_text("#facts")
-    assert tab.locator("#facts .chart svg").count() == 1
+    assert tab.locator("#facts .chart > svg").count() == 1
     assert tab.locator("#cycle-boundary option").all_inner_texts() == ["a/b", "a b"]
     first = tab.inner_text("#cycle tbody tr:first-child")
     tab.click("#cycle th:nth-child(3) button")
@@ -217,3 +217,26 @@ def test_a_killed_run_has_a_page(fretting, tmp_path, tab):
     assert "stress, MPa" in tab.inner_html("#stresses")
     assert not tab.is_visible("#results") and tab.is_visible("#canvas")
     assert tab.faults == []
+
+
+@pytest.mark.parametrize("size", [DESK, PHONE], ids=["desk", "phone"])
+def test_the_page_of_a_sweep_fits_the_screen(tmp_path, browser, size):
+    """The chart has the width of the screen, the rows of the table are one line high, and a click on a head sorts them."""
+    vary = ["--vary", "contact.friction=0.3,0.6", "--vary", "time.increments=2,4"]
+    stickslip("sweep", "doc/lap.toml", *vary, "--plot", "largest_force.magnitude", "--out", tmp_path)
+    tab = browser.new_page(viewport=size)
+    faults = []
+    tab.on("pageerror", lambda error: faults.append(str(error)))
+    tab.goto((tmp_path / "sweep.html").as_uri())
+    assert tab.evaluate("document.documentElement.scrollWidth") <= size["width"]
+    box = tab.locator("#chart > svg").bounding_box()
+    assert box["x"] >= 0 and box["x"] + box["width"] <= size["width"]
+    assert tab.locator("#chart polyline").count() == 2 and tab.locator("#chart .names span").count() == 2
+    assert all(row.bounding_box()["height"] < 40 for row in tab.locator("tbody tr").all())
+    first = [row.inner_text() for row in tab.locator("tbody tr").all()]
+    tab.locator("th button").first.click()
+    tab.locator("th button").first.click()
+    assert [row.inner_text() for row in tab.locator("tbody tr").all()] != first
+    assert faults == []
+    tab.screenshot(path=PICTURES / f"sweep_{size['width']}.png", full_page=True)
+    tab.close()
