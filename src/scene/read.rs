@@ -202,8 +202,8 @@ fn time(time: &document::Time) -> Result<Time, InputError> {
     finite("time.end", end)?;
     ensure(end > 0.0, "time.end", &end, "positive", "the history runs from 0 to this time, s")?;
     let help = "the history is divided into this many equal increments";
-    let sound = (1..=10_000_000).contains(&increments);
-    ensure(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
+    let is_valid = (1..=10_000_000).contains(&increments);
+    ensure(is_valid, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
     Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
 }
 

@@ -298,13 +298,13 @@ impl Condensed {
         let (border, u_rest) = match &self.basis {
             None => (contact.u.clone(), self.spread(&contact.u_rest)),
             Some(basis) => {
-                let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
-                if rest.is_empty() {
+                let (mut border, mut u_rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+                if u_rest.is_empty() {
                     basis.apply(&mut border);
                 } else {
-                    basis.apply_beyond(&mut border, &mut rest);
+                    basis.apply_dd(&mut border, &mut u_rest);
                 }
-                (self.border.iter().map(|&dof| border[dof]).collect(), rest)
+                (self.border.iter().map(|&dof| border[dof]).collect(), u_rest)
             }
         };
         let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();

@@ -5,11 +5,11 @@
 //! error of the last run.
 
 mod extrapolation;
+mod format;
 mod ladder;
 mod picture;
 mod quantity;
 mod steps;
-mod told;
 
 use std::time::Instant;
 
@@ -178,13 +178,13 @@ fn solve(
         _ => Some((Verdict::NotConverged, reason)),
     };
     // Serialising never fails with these types.
-    let told = serde_json::to_value(&report).unwrap_or_default();
-    let value = sought.value(&told);
+    let json = serde_json::to_value(&report).unwrap_or_default();
+    let value = sought.value(&json);
     let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
-        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&told) });
+        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&json) });
     }
     let solved = Step {
         level: mesh,

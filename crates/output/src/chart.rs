@@ -76,7 +76,7 @@ const COLOURS: [Colour; 7] =
 const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
 
 /// Returns a colour and a marker for curve `k` of many. The first 28 combinations are different.
-pub fn told_apart(k: usize) -> ([u8; 3], Marker) {
+pub fn curve_style(k: usize) -> ([u8; 3], Marker) {
     (COLOURS[k % COLOURS.len()], MARKERS[k % MARKERS.len()])
 }
 

@@ -146,10 +146,10 @@ impl DeformedBody {
         let largest = self.units.rounded(Quantity::Length, self.largest, 4);
         let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", six_digits(self.time));
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
-        let told = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
+        let patch = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
             (corners.iter().map(|x| at(*x)).collect::<Vec<_>>(), units.of_si(Quantity::Stress, *stress))
         };
-        let patches: Vec<_> = self.patches.iter().map(told).collect();
+        let patches: Vec<_> = self.patches.iter().map(patch).collect();
         let seen = match self.axes.len() {
             3 => {
                 let corners: Vec<&[[f64; 2]]> = patches.iter().map(|(corners, _)| corners.as_slice()).collect();

@@ -82,7 +82,7 @@ pub(super) mod tests {
     }
 
     /// Returns all data of each cell: corners, values at these, values of the cell, to the last bit.
-    fn told(grid: &Grid) -> Vec<Vec<u64>> {
+    fn cell_data(grid: &Grid) -> Vec<Vec<u64>> {
         let bits = |fields: &[Field], place: usize| {
             let of = |Field { components, values, .. }: &Field| match values {
                 Values::Real(values) => {
@@ -108,8 +108,8 @@ pub(super) mod tests {
         assert_eq!((zero.cells.len(), one.cells.len(), two.cells.len()), (3, 0, 3));
         // Four of the twelve points are on the border.
         assert_eq!((zero.points.len(), one.points.len(), two.points.len()), (8, 0, 8));
-        let mut parts = [told(&zero), told(&two)].concat();
-        let mut whole = told(&grid);
+        let mut parts = [cell_data(&zero), cell_data(&two)].concat();
+        let mut whole = cell_data(&grid);
         parts.sort();
         whole.sort();
         assert_eq!(parts, whole);

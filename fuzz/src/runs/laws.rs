@@ -238,8 +238,8 @@ impl<'a> Data<'a> {
         // The way of a body that contact alone holds is told to so many digits: what rounding it strains is no error of the run.
         let way = if self.model.problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.moving };
         let balance = imbalance(self.model, &self.force, state);
-        let beyond = balance.iter().map(|r| if r.abs() <= way { 0.0 } else { *r });
-        beyond.enumerate().find_map(|(dof, r)| self.too_large("equilibrium", dof, r, self.scales.force))
+        let residual = balance.iter().map(|r| if r.abs() <= way { 0.0 } else { *r });
+        residual.enumerate().find_map(|(dof, r)| self.too_large("equilibrium", dof, r, self.scales.force))
     }
 
     fn contact(&self, state: &State) -> Option<String> {

@@ -145,8 +145,8 @@ impl UnitSystem {
         if self.is_si() {
             return x;
         }
-        let told = self.of_si(quantity, x);
-        format!("{told:.14e}").parse().unwrap_or(told)
+        let value = self.of_si(quantity, x);
+        format!("{value:.14e}").parse().unwrap_or(value)
     }
 
     /// Returns the coordinates of a point (m) in these units. Rounding beside the largest one is 0.

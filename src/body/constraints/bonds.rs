@@ -85,11 +85,11 @@ impl Bonds {
         // Directions in which the other nodes of the row are held, too, need no relation.
         let held_apart = |node: usize| {
             let of_own: Vec<[f64; 3]> = dofs.held(own).collect();
-            let beyond = |n: &[f64; 3]| norm(of_own.iter().copied().fold(*n, across)) > SAME_DIRECTION;
-            let apart = if node == own { alone.to_vec() } else { dofs.held(node).filter(beyond).collect() };
+            let is_other = |n: &[f64; 3]| norm(of_own.iter().copied().fold(*n, across)) > SAME_DIRECTION;
+            let apart = if node == own { alone.to_vec() } else { dofs.held(node).filter(is_other).collect() };
             let others = whole.others.iter().filter(|(other, _)| *other != node).cloned().collect();
-            let rest = Relative { node, others, ..whole.clone() };
-            apart.into_iter().any(|n| dofs.may_move(&rest, n, |_, _| false))
+            let others_only = Relative { node, others, ..whole.clone() };
+            apart.into_iter().any(|n| dofs.may_move(&others_only, n, |_, _| false))
         };
         let fits = |node: usize| dofs.in_mesh(node) == node && !self.bind(node) && !held_apart(node);
         let candidates: Vec<(usize, f64)> = (terms.iter())

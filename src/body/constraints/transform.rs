@@ -37,7 +37,7 @@ impl Dofs {
                 {
                     *sum.entry(dof).or_insert(0.0) += value;
                 }
-                self.beyond.insert(self.dimension * node + a, sum.into_iter().collect());
+                self.transform_rows.insert(self.dimension * node + a, sum.into_iter().collect());
             }
         }
         Ok(self)

@@ -86,8 +86,8 @@ impl GapTable {
         let names: Vec<&str> = header.split(',').map(str::trim).collect();
         let axis = |name: &&str| ["x", "y", "z"].iter().position(|axis| axis == name);
         let coordinates: Option<Vec<usize>> = names[..names.len() - 1].iter().map(axis).collect();
-        let sound = |c: &Vec<usize>| matches!(c[..], [_]) || matches!(c[..], [a, b] if a != b);
-        let Some(coordinates) = coordinates.filter(|c| sound(c) && names.last() == Some(&"gap")) else {
+        let is_valid = |c: &Vec<usize>| matches!(c[..], [_]) || matches!(c[..], [a, b] if a != b);
+        let Some(coordinates) = coordinates.filter(|c| is_valid(c) && names.last() == Some(&"gap")) else {
             return Err(TableError::Header { file, header: header.to_string() });
         };
         let mut rows: Vec<Vec<f64>> = Vec::new();

@@ -135,7 +135,7 @@ pub struct ContactBoundary {
     /// The share of each node in this boundary, like [`ContactNode::weight`], m or m².
     pub weights: Vec<f64>,
     /// The number of its nodes that no obstacle ever reaches.
-    pub beyond: usize,
+    pub unreached: usize,
     /// The numbers of its obstacles among all obstacles; empty in front of another boundary.
     pub obstacles: Range<usize>,
     /// The number of the pair of which it is the slave, if it is in front of another boundary.

@@ -438,7 +438,7 @@ fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize
 
 /// The error of two boundaries that cannot be paired.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}", self.told(|x| format!("{x} m"), |at| format!("{at:?}")))]
+#[error("{}", self.message(|x| format!("{x} m"), |at| format!("{at:?}")))]
 pub enum MortarFault {
     /// The master is nowhere in front of the slave within the search distance.
     NothingInFront {
@@ -502,7 +502,7 @@ pub enum MortarFault {
 
 impl MortarFault {
     /// Describes the fault, with lengths and places in the words of `length` and `place`.
-    pub(crate) fn told(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
+    pub(crate) fn message(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
         match self {
             MortarFault::NothingInFront { slave, master, search, least, at } => format!(
                 "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",

@@ -306,10 +306,10 @@ impl PlacedObstacle {
 
     /// Returns how far the curved surface that triangles approximate is beyond them where lines from `places` along unit vectors
     /// meet them, m; nothing for other surfaces.
-    pub(crate) fn beyond_triangles(&self, places: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> Vec<f64> {
+    pub(crate) fn sagittas(&self, places: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> Vec<f64> {
         let Some(surface) = self.surface_of_triangles() else { return Vec::new() };
         let mut chords = Chords::new(surface);
-        places.filter_map(|(x, n)| surface.entry(x, n)).map(|entry| chords.beyond(entry.triangle)).collect()
+        places.filter_map(|(x, n)| surface.entry(x, n)).map(|entry| chords.sagitta(entry.triangle)).collect()
     }
 
     /// Returns the number of triangles of the surface, if it consists of triangles.

@@ -271,10 +271,10 @@ impl Triangles {
     /// Returns the holes of the surface and the cracks of at most the width `reach` (m). Openings within rounding do
     /// not count.
     pub(super) fn holes(&self, reach: f64) -> Vec<Hole> {
-        let (holes, rest): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
+        let (holes, others): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
         let along_crack =
-            |rim: Vec<Side>| rim.into_iter().filter(|side| self.goes_on_beyond(side, reach)).collect::<Vec<_>>();
-        holes.into_iter().chain(rest.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
+            |rim: Vec<Side>| rim.into_iter().filter(|side| self.continues_across(side, reach)).collect::<Vec<_>>();
+        holes.into_iter().chain(others.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
     }
 
     /// Returns the rims: closed paths along sides that belong to only one triangle.
@@ -321,13 +321,13 @@ impl Triangles {
         width > 2.0 * CRACK * self.extent && into > INTO * 2.0 * norm(area)
     }
 
-    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `reach` (m) away, with a
-    /// crack between them.
-    fn goes_on_beyond(&self, side: &Side, reach: f64) -> bool {
+    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `distance_limit` (m) away,
+    /// with a crack between them.
+    fn continues_across(&self, side: &Side, distance_limit: f64) -> bool {
         let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
         // The triangles beside a narrower crack meet what is in front of it.
         let is_open = across(PAST * CRACK * self.extent).is_none();
-        is_open && across(reach).is_some_and(|distance| distance < 0.5 * reach)
+        is_open && across(distance_limit).is_some_and(|distance| distance < 0.5 * distance_limit)
     }
 }
 

@@ -96,7 +96,7 @@ mod tests {
         };
         let mut given = Description::new(MeshSource::block([1.0; 2], [1; 2]), Material::new(1.0, 0.3), vec![0.5, 1.0])
             .support("left", &[Axis::X])
-            .held(Support::new("right", &[Axis::X]).moved(&[1.0]).over(&there_and_back(0.1)))
+            .with_support(Support::new("right", &[Axis::X]).moved(&[1.0]).over(&there_and_back(0.1)))
             .contact("bottom", 0.4, obstacle)
             .load(Load::new("top", &[0.0, -1.0]).over(&there_and_back(0.2)));
         given.supports[0].history = Some(there_and_back(0.9));

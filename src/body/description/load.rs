@@ -129,12 +129,12 @@ impl Action {
     fn check(&self) -> Result<(), InputError> {
         match self {
             Action::Traction { traction, .. } => {
-                let sound = (2..=3).contains(&traction.len());
-                let sound = sound && traction.iter().filter_map(Field::uniform).all(f64::is_finite);
+                let is_valid = (2..=3).contains(&traction.len());
+                let is_valid = is_valid && traction.iter().filter_map(Field::uniform).all(f64::is_finite);
                 let given: Vec<String> = traction.iter().map(Field::to_string).collect();
                 let (must, help) =
                     ("two or three finite numbers or formulas", "give one for each axis, not nan or inf");
-                if !sound {
+                if !is_valid {
                     let message = format!("traction is [{}], but must be {must}", given.join(", "));
                     return Err(InputError::new("traction", message, help));
                 }
@@ -184,15 +184,15 @@ impl Where {
 
 /// Checks that there are two or three finite numbers.
 pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
-    let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
-    ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+    let is_valid = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(is_valid, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
     not_huge(key, values.iter().copied())
 }
 
 /// Checks that there is one finite number, about z, or that there are three.
 pub(super) fn axial(key: &str, values: &[f64]) -> Result<(), InputError> {
-    let sound = [1, 3].contains(&values.len()) && values.iter().all(|x| x.is_finite());
-    ensure(sound, key, &values, "one or three finite numbers", "give one about z in the plane, three in space")?;
+    let is_valid = [1, 3].contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(is_valid, key, &values, "one or three finite numbers", "give one about z in the plane, three in space")?;
     not_huge(key, values.iter().copied())
 }
 

@@ -58,8 +58,8 @@ impl ContactGraph {
         }
         // A surface goes on across glue and the end of a period.
         let seams = Seams::new(model);
-        let beyond: Vec<Vec<usize>> = (0..n).map(|i| seams.beyond(model, i)).collect();
-        for (i, j) in beyond.iter().enumerate().filter_map(|(i, beyond)| Some((i, *beyond.first()?))) {
+        let tied: Vec<Vec<usize>> = (0..n).map(|i| seams.tied(model, i)).collect();
+        for (i, j) in tied.iter().enumerate().filter_map(|(i, tied)| Some((i, *tied.first()?))) {
             link(i, j);
             if let (Some(b), Some(c)) = (first_of[i], first_of[j]) {
                 together.join(b, c);
@@ -82,12 +82,12 @@ impl ContactGraph {
                     let ends = [facet[k], facet[(k + 1) % facet.len()]];
                     let mut side = ends.map(|node| seams.carriers(node, &own));
                     let goes_on = |(node, at): (&usize, &Vec<usize>)| match contact.get(node) {
-                        Some(&i) => !beyond[i].is_empty() || alike(*node) != *node && touching.contains(&alike(*node)),
+                        Some(&i) => !tied[i].is_empty() || alike(*node) != *node && touching.contains(&alike(*node)),
                         None => !at.is_empty(),
                     };
                     if seams.has(ends) && ends.iter().zip(&side).all(goes_on) {
                         let at = side.concat();
-                        let all = at.iter().flat_map(|&i| beyond[i].iter().copied().chain([i])).collect::<Vec<_>>();
+                        let all = at.iter().flat_map(|&i| tied[i].iter().copied().chain([i])).collect::<Vec<_>>();
                         on_seams.extend(all.iter().flat_map(|&i| all.iter().map(move |&j| [i, j])));
                         if side.iter().any(|at| at.len() > 1) {
                             continue;
@@ -250,7 +250,7 @@ impl Seams {
     }
 
     /// Returns the contact nodes to which contact node `i` is tied and whose normals are about its own.
-    fn beyond(&self, model: &Model, i: usize) -> Vec<usize> {
+    fn tied(&self, model: &Model, i: usize) -> Vec<usize> {
         let own = &model.contacts[i];
         let goes_on = |other: &ContactNode| dot(own.facing.normal, other.facing.normal) > CORNER.cos();
         let others = |node: usize| model.contacts.iter().enumerate().filter(move |(_, other)| other.node == node);

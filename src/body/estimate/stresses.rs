@@ -97,8 +97,8 @@ impl Patch {
         if positions.len() < count + spare {
             return None;
         }
-        let reach = |c: usize| positions.iter().map(|x| (x[c] - about[c]).abs()).fold(0.0, f64::max);
-        let size = [0, 1, 2].map(|c| if c < dimension && count > 1 { reach(c) } else { 1.0 });
+        let extent = |c: usize| positions.iter().map(|x| (x[c] - about[c]).abs()).fold(0.0, f64::max);
+        let size = [0, 1, 2].map(|c| if c < dimension && count > 1 { extent(c) } else { 1.0 });
         if size.contains(&0.0) {
             return None;
         }

@@ -261,12 +261,12 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
     let ratio = |&i: &usize| {
         let (node, from) = (model.contacts[i].node, model.contacts[i].position);
         let inside = minus(from, model.contacts[*graph.neighbours[i].first()?].position);
-        let beyond = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
+        let outside = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
             .flat_map(|cell| cell.nodes.iter().map(|&other| minus(model.mesh.nodes[other], from)))
             .filter(|beyond| norm(*beyond) > 0.0 && dot(unit(*beyond), unit(inside)) > STRAIGHT)
             .map(norm)
             .reduce(f64::min)?;
-        Some((beyond / norm(inside)).max(norm(inside) / beyond))
+        Some((outside / norm(inside)).max(norm(inside) / outside))
     };
     zone.iter().filter(|i| graph.is_at_the_rim(**i)).filter_map(ratio).reduce(f64::max)
 }

@@ -33,7 +33,7 @@ impl Bodies {
     }
 
     /// Returns the name of body `k` for messages: its name if there are several, otherwise "the body".
-    pub fn told(&self, k: usize) -> String {
+    pub fn label(&self, k: usize) -> String {
         if self.are_several() { format!("`{}`", self.names[k]) } else { "the body".to_string() }
     }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::find;
 use super::glued_contact::carry_glued;
 use super::pair::Pairs;
-use super::support::{Carrying, Moved};
+use super::support::{PrescribedMotion, RigidGroups};
 use crate::algebra::null_space::{self, null_space};
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
@@ -30,9 +30,9 @@ struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
     dofs: &'a Dofs,
-    moved: &'a [Moved],
+    prescribed: &'a [PrescribedMotion],
     pairs: &'a Pairs,
-    carrying: &'a Carrying,
+    groups: &'a RigidGroups,
 }
 
 /// The contacts of a description.
@@ -56,14 +56,14 @@ impl Contacts {
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
-        moved: &[Moved],
+        prescribed: &[PrescribedMotion],
         pairs: &Pairs,
-        carrying: &Carrying,
+        groups: &RigidGroups,
     ) -> Result<Self, InputError> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
         edges_are_alike(description, mesh, pairs)?;
-        let body = ContactBody { description, mesh, dofs, moved, pairs, carrying };
+        let body = ContactBody { description, mesh, dofs, prescribed, pairs, groups };
         for k in 0..description.contacts.len() {
             not_between_carried(description, mesh, dofs, k)?;
             match pairs.of_contact(k) {
@@ -103,7 +103,7 @@ impl Contacts {
             contact: k,
             nodes: (first..first + nodes.len()).collect(),
             weights: nodes.iter().map(|node| node.weight).collect(),
-            beyond: apart.len().saturating_sub(nodes.len()),
+            unreached: apart.len().saturating_sub(nodes.len()),
             obstacles: self.obstacles.len()..self.obstacles.len(),
             pair: Some(number),
         });
@@ -117,15 +117,15 @@ impl Contacts {
     }
 
     fn add(&mut self, body: &ContactBody<'_>, k: usize) -> Result<(), InputError> {
-        let ContactBody { description, mesh, dofs, moved, carrying, .. } = *body;
+        let ContactBody { description, mesh, dofs, prescribed, groups, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             // All bodies in front of one obstacle have the same rigid offset.
-            let group = boundary.nodes().first().map_or(0, |&node| carrying.of_node[node]);
-            for Moved { carried, history, .. } in moved {
-                motion.pass(carried[group], history);
+            let group = boundary.nodes().first().map_or(0, |&node| groups.of_node[node]);
+            for PrescribedMotion { offset, history, .. } in prescribed {
+                motion.pass(offset[group], history);
             }
         }
         let met = met(contact, body, boundary, &obstacles, k)?;
@@ -146,7 +146,7 @@ impl Contacts {
             contact: k,
             nodes: Vec::with_capacity(nodes.len()),
             weights: Vec::with_capacity(nodes.len()),
-            beyond: boundary.nodes().len() - met.len(),
+            unreached: boundary.nodes().len() - met.len(),
             obstacles: first..self.obstacles.len(),
             pair: None,
         };
@@ -353,7 +353,7 @@ fn met(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
 ) -> Result<Vec<Meeting>, InputError> {
-    let ContactBody { description, mesh, dofs, moved, .. } = *body;
+    let ContactBody { description, mesh, dofs, prescribed, .. } = *body;
     let name = &contact.boundary;
     let at_obstacle =
         |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
@@ -421,10 +421,10 @@ fn met(
             return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
         }
     }
-    let beyond = |met: &Meeting, t: f64| {
-        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond[met.node], met.facing.normal)).sum()
+    let normal_deviation = |met: &Meeting, t: f64| {
+        prescribed.iter().map(|motion| motion.factor(t) * dot(motion.deviation[met.node], met.facing.normal)).sum()
     };
-    if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
+    if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, normal_deviation) {
         let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
         return Err(InputError::new(format!("contact[{k}].boundary"), message, help));

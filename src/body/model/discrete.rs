@@ -309,8 +309,8 @@ fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> 
         let (a, b) = pair(node, other);
         let message = format!(
             "the bodies {} and {} both have a node at {}, but nothing joins them",
-            bodies.told(a),
-            bodies.told(b),
+            bodies.label(a),
+            bodies.label(b),
             place(node)
         );
         let help = "let a [[contact]] with `against` join their boundaries, make one body of them in Gmsh (Coherence, or Coherence \
@@ -320,7 +320,7 @@ fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> 
     if let Some(overlap) = overlaps(mesh, bodies, |a, b| !contacts.contains(&(a.min(b), a.max(b)))).first() {
         let (inner, outer) = overlap.bodies;
         let message =
-            format!("the body {} is inside {}, at {}", bodies.told(inner), bodies.told(outer), place(overlap.node));
+            format!("the body {} is inside {}, at {}", bodies.label(inner), bodies.label(outer), place(overlap.node));
         let help = "move them apart, or let a [[contact]] with `against` press them out of each other";
         return Err(InputError::new(key(&description.mesh, bodies, inner.max(outer)), message, help));
     }

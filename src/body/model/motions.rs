@@ -84,10 +84,10 @@ fn of_first(
 }
 
 /// Divides the values of all nodes into those of the nodes in each row.
-fn by_row<'a, T>(terms: &'a [Vec<Term>], mut rest: &'a [T]) -> impl Iterator<Item = &'a [T]> {
+fn by_row<'a, T>(terms: &'a [Vec<Term>], mut values: &'a [T]) -> impl Iterator<Item = &'a [T]> {
     terms.iter().map(move |terms| {
         let own;
-        (own, rest) = rest.split_at(terms.len());
+        (own, values) = values.split_at(terms.len());
         own
     })
 }

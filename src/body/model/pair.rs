@@ -357,7 +357,7 @@ fn pair(
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
         let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-        let message = fault.told(length, |at| units.place(at.components()));
+        let message = fault.message(length, |at| units.place(at.components()));
         InputError::new(format!("{key}.{}", fault.key()), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);

@@ -51,7 +51,7 @@ fn only(
     let Some(other) = (0..mesh.nodes.len()).find(|&other| of[other] != of[node] && near(other)) else {
         return Ok(node);
     };
-    let names = [node, other].map(|node| bodies.told(of[node]));
+    let names = [node, other].map(|node| bodies.label(of[node]));
     let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
     let help = "name a boundary in place of the point: those are of one body";
     Err(InputError::new(format!("{key}.point"), message, help))

@@ -28,7 +28,7 @@ impl Model {
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],
                 normal: self.contacts[i].facing.normal,
-                gap: self.nodal_gap(i, t, gap) + self.beyond(i, t),
+                gap: self.nodal_gap(i, t, gap) + self.normal_deviation(i, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
             let deformed: Vec<_> = deformed.collect();

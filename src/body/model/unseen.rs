@@ -111,7 +111,7 @@ impl Model {
     fn is_carried_along(&self, k: usize, node: usize) -> bool {
         let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contacts[i].node);
-        first.is_some_and(|first| self.carrying.of_node[first] == self.carrying.of_node[node])
+        first.is_some_and(|first| self.groups.of_node[first] == self.groups.of_node[node])
     }
 
     /// Returns the point of a contact facet at which the distance of the obstacle differs most from the interpolated

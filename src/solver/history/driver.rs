@@ -96,16 +96,16 @@ impl<'a> HistoryDriver<'a> {
         }
         loop {
             let part = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
-            let held = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
+            let size = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
             if !std::mem::take(&mut resumes) && (part.is_some() || self.outcome.working_set.is_some()) {
-                let first = WorkingSet { first: held, last: held, all, grown: 0 };
-                let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
+                let first = WorkingSet { first: size, last: size, all, grown: 0 };
+                let grown = |before: WorkingSet| WorkingSet { last: size, grown: before.grown + 1, ..before };
                 self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
             }
             match self.condensed_stage(algorithm, condensation, part) {
                 Ok(None) => return Ok(()),
                 Ok(Some(more)) => {
-                    self.joined += more.len() - held;
+                    self.joined += more.len() - size;
                     nodes = (more.len() < all).then_some(more);
                 }
                 Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.increment_clock.is_some() => {

@@ -386,26 +386,26 @@ impl IncrementDriver<'_> {
     /// reported only after all nodes have been included.
     fn lack(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
         let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
-        let Some(held) = self.body.nodes() else { return Ok(None) };
+        let Some(nodes) = self.body.nodes() else { return Ok(None) };
         if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
             return Ok(None);
         }
         let all = problem.contacts();
-        let mut is_held = vec![false; all];
-        for &i in held {
-            is_held[i] = true;
+        let mut in_set = vec![false; all];
+        for &i in nodes {
+            in_set[i] = true;
         }
         let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
-        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
+        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !in_set[i]).map(|i| (i, distance(i))).collect();
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         let judgement = Judgement::near(problem, &data, &substep.state, &substep.scales, tolerance)?;
         let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
         let solved = substep.solved.stop == Termination::Converged && penetrating > 0;
-        let joining = if solved { held.len().max(2 * penetrating) } else { all };
+        let joining = if solved { nodes.len().max(2 * penetrating) } else { all };
         // Leaving out less than a quarter of the nodes saves little.
-        let joining = if 4 * (held.len() + joining) >= 3 * all { all } else { joining };
-        others.iter().take(joining).for_each(|(i, _)| is_held[*i] = true);
-        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved }))
+        let joining = if 4 * (nodes.len() + joining) >= 3 * all { all } else { joining };
+        others.iter().take(joining).for_each(|(i, _)| in_set[*i] = true);
+        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| in_set[i]).collect(), solved }))
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
@@ -436,8 +436,8 @@ impl IncrementDriver<'_> {
         loading.force(from, &mut force);
         let mu = self.friction_at(from);
         let left = -excess(problem, &mu, &force, p_n[0], motion);
-        let beyond = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
-        if left > 0.0 && beyond > 0.0 { left / (left + beyond) } else { 0.5 }
+        let excess = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
+        if left > 0.0 && excess > 0.0 { left / (left + excess) } else { 0.5 }
     }
 
     /// Returns the coefficients of friction at a time.
@@ -477,12 +477,12 @@ impl IncrementDriver<'_> {
         // does.
         let clamped = self.stage.clamped.as_ref()?;
         let force = clamped.response(self.body.loading, None, time).contact_force * self.settings.scaling.force;
-        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
-        let reach: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
+        let near = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
+        let tolerance: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(near).collect();
         let moved = self.history.offset.w_n.iter().zip(&self.history.w_n).map(|(offset, w)| offset + w);
         let distance: Vec<f64> = self.stage.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.stage.force, sizes };
-        let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &reach)?;
+        let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &tolerance)?;
         self.history.offset = self.history.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.history.reached.is_none() || !stays).then_some(nodes)

@@ -259,7 +259,8 @@ pub struct Snapshot {
     /// The unknowns, in the method's own units.
     pub(super) unknowns: Vec<f64>,
     /// The low-order part of the unknowns.
-    pub(super) rest: Vec<f64>,
+    #[serde(rename = "rest")]
+    pub(super) z_lo: Vec<f64>,
     /// The end of the last increment.
     pub(super) last: Option<Vec<f64>>,
     /// The accumulated time-step error.

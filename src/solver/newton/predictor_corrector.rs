@@ -129,11 +129,11 @@ impl PredictorCorrector {
         // The predictor aims at the solution itself, σ = 0.
         self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
         let predicted = self.work.solve(*formulation, linear, z)?;
-        let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
+        let max_step = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
 
         // The corrector aims at products of σ β, with Mehrotra's σ, and takes the second order of the products from
         // the predictor.
-        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, reach) / beta).powi(3).min(1.0);
+        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, max_step) / beta).powi(3).min(1.0);
         let centring = if sigma.is_finite() { sigma * beta } else { 0.0 };
         for pair in formulation.pairs() {
             self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];

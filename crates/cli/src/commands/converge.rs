@@ -9,7 +9,7 @@ use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
 
-use super::study::{StudyFolder, counted, pretty, tell};
+use super::study::{StudyFolder, counted, pretty, print_results};
 use super::{ExitStatus, Failure, interrupt};
 
 #[derive(Args)]
@@ -92,7 +92,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     let finer = finer(&scene).filter(|_| study.ended.verdict == Verdict::NoFinerMesh);
     text.extend(finer.map(|(command, _)| format!("             {command}")));
     let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
-    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     Ok(if study.ended.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 

@@ -44,7 +44,7 @@ impl<'a> StudyFolder<'a> {
 
 /// Prints the results of a study, as `data` alone or else as text, and writes its files, names and contents, if it has a
 /// folder.
-pub(super) fn tell<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
+pub(super) fn print_results<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
     folder: Option<&StudyFolder<'_>>,
     data: Option<&str>,
     text: &str,
@@ -69,10 +69,10 @@ pub(super) fn pretty(results: &impl Serialize) -> Result<String, Failure> {
 pub(super) fn counted(length: usize, unit: &str) -> (ProgressBar, impl FnMut(String) + Send) {
     let bar = bar(length, unit);
     let (shown, mut begun) = (bar.clone(), 0);
-    let tell = move |what: String| {
+    let advance = move |what: String| {
         shown.set_position(begun);
         shown.set_message(what);
         begun += 1;
     };
-    (bar, tell)
+    (bar, advance)
 }

@@ -13,7 +13,7 @@ use stickslip::scene::{Override, Scene};
 
 use super::progress::bar;
 use super::run::{increments, write_failure};
-use super::study::{StudyFolder, pretty, tell};
+use super::study::{StudyFolder, pretty, print_results};
 use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::Processes;
 
@@ -144,7 +144,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         let page = sweep.to_html(&chart);
         Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart, page]))
     };
-    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
         () if outcomes().all(VariantResult::is_converged) => ExitStatus::Success,

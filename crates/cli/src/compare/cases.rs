@@ -80,10 +80,10 @@ impl Study {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
-        let sound = solved.course.status == Status::Converged && result.status == Status::Converged;
+        let converged = solved.course.status == Status::Converged && result.status == Status::Converged;
         let errors = || TimeErrors::new(&end, &result.end, model.problem.weight().unwrap_or_default());
         let course = solved.course;
-        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: sound.then(errors) })
+        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: converged.then(errors) })
     }
 }
 
@@ -124,9 +124,9 @@ fn solve(
     let linear = &outcome.linear;
     let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
     let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
-    let rest = wall - analysis - assembly - factor - solve;
+    let other = wall - analysis - assembly - factor - solve;
     let [wall, cpu] = [built[0] + wall, built[1] + cpu];
-    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest };
+    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest: other };
     let records = &outcome.records;
     let course = Course {
         status: outcome.status,

@@ -351,10 +351,10 @@ mod tests {
             assert_eq!(ended.verdict, Verdict::Known, "{p} {c} {d}: {ended:?}");
             let errors = ended.errors.unwrap();
             let truth = (errors.value / 5.0 - 1.0).abs();
-            let told = errors.total().unwrap();
-            assert!(told <= 0.02 && truth <= told, "{p} {c} {d}: {truth} {told}");
+            let total = errors.total().unwrap();
+            assert!(total <= 0.02 && truth <= total, "{p} {c} {d}: {truth} {total}");
             // Errors of opposite signs cancel in the value, but not in the uncertainty.
-            assert!(c * d < 0.0 || told < 3.0 * truth, "{p} {c} {d}: {truth} {told}");
+            assert!(c * d < 0.0 || total < 3.0 * truth, "{p} {c} {d}: {truth} {total}");
             let mesh = errors.mesh.unwrap();
             assert!((mesh.order.unwrap() - p).abs() < 0.01, "{mesh:?}");
         }

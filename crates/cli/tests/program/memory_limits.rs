@@ -209,9 +209,9 @@ fn refuse(step: usize) {
             }
         }
         assert!(faults.is_empty(), "{arguments:?}\n{}", faults.join("\n\n"));
-        let told = format!("{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
-        println!("{told}");
-        assert!(short > good, "{told}");
+        let counts = format!("{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
+        println!("{counts}");
+        assert!(short > good, "{counts}");
     }
 }
 

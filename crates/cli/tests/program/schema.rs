@@ -337,13 +337,13 @@ fn problems_are_told_as_their_schemas_say() {
     let solved = folder.join("solved.hdf5");
     fs::write(folder.join("bad.dat"), "5").unwrap();
     fs::copy(file("sliding.dat"), folder.join("sliding.dat")).unwrap();
-    let told = |args: &[&str]| json(&stickslip(args));
+    let output = |args: &[&str]| json(&stickslip(args));
     let problems = [
-        told(&["solve", &file("global.hdf5"), "--out", &solved, "--json"]),
-        told(&["judge", &solved, "--json"]),
-        told(&["solve", &file("printed.dat"), "--json"]),
+        output(&["solve", &file("global.hdf5"), "--out", &solved, "--json"]),
+        output(&["judge", &solved, "--json"]),
+        output(&["solve", &file("printed.dat"), "--json"]),
     ];
-    let collections = [told(&["collection", &folder.join(""), "--json"])];
+    let collections = [output(&["collection", &folder.join(""), "--json"])];
     for (of, reports) in [("problem", &problems[..]), ("collection", &collections)] {
         let schema = schema(of);
         let (mut known, mut met) = (BTreeSet::new(), BTreeSet::new());

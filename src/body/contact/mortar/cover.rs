@@ -91,8 +91,8 @@ impl Covers {
                 let sides = [&slave.facets[e], &master.facets[f]];
                 let excess = |edges: bool, point: &Point| {
                     let own = bulges[0].at(mesh, edges, (e, sides[0]), &point.slave);
-                    let beyond = own.distance + bulges[1].at(mesh, edges, (f, sides[1]), &point.master).distance;
-                    point.gap - (own.across(point.gap) - beyond) / own.cosine
+                    let bulge = own.distance + bulges[1].at(mesh, edges, (f, sides[1]), &point.master).distance;
+                    point.gap - (own.across(point.gap) - bulge) / own.cosine
                 };
                 let bulge = |point: &Point| {
                     let with = excess(true, point);

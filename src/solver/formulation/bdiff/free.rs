@@ -39,7 +39,7 @@ impl Bdiff {
         let row = |c: &Csr, i: usize| motions.felt(c.row(i));
         let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
         let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
-        let held = |i: usize| match self.cases[i] {
+        let tangential_rows = |i: usize| match self.cases[i] {
             Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
             Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
                 let [along_t, along_o] = tangents(i);
@@ -50,15 +50,15 @@ impl Bdiff {
         };
         let contacts = 0..self.layout().contacts();
         let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
-        let tangential = contacts.flat_map(held);
+        let tangential = contacts.flat_map(tangential_rows);
         motions.unfelt(normal.chain(tangential))
     }
 
     /// Pins one contact displacement per unconstrained rigid mode, chosen so that the modes can be distinguished.
     pub(super) fn pin_unconstrained_modes(&mut self) {
         self.matrix.release();
-        let unheld = self.unconstrained_modes();
-        if unheld.is_empty() {
+        let modes = self.unconstrained_modes();
+        if modes.is_empty() {
             return;
         }
         let candidates = self.data.contact_displacements();
@@ -66,7 +66,7 @@ impl Bdiff {
             let u = self.data.motion(weights, self.layout().displacements());
             candidates.iter().map(|&place| u[place]).collect()
         };
-        let places = anchors(unheld.iter().map(motion).collect());
+        let places = anchors(modes.iter().map(motion).collect());
         self.matrix.tie(places.into_iter().map(|k| candidates[k]));
     }
 
@@ -95,7 +95,7 @@ impl Bdiff {
 
     /// Returns the step from `z` along `dz` at which the first contact node leaves its case in the last
     /// linearisation, or `None` if none ever does. A slip in a plane may turn by a right angle.
-    pub fn reach(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
+    pub fn max_step(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
         let (mut near, mut far) = (0.0, 1.0);
         while self.stays(z, dz, far) {
             (near, far) = (far, 2.0 * far);

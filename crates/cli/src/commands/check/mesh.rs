@@ -36,8 +36,8 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
         MeshSource::File { file, scale, .. } => {
             // The extent reveals a forgotten scale. Six digits hide the rounding of a difference.
             let extent = |x: &f64| {
-                let told = units.of_si(Quantity::Length, *x);
-                let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
+                let value = units.of_si(Quantity::Length, *x);
+                let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
                 format!("{rounded} {}", units.name(Quantity::Length))
             };
             let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(extent).collect::<Vec<_>>();
