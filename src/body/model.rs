@@ -1,6 +1,7 @@
 //! Discretisation of a description: mesh, `K`, contact maps and loads.
 
 mod balance;
+mod between_nodes;
 mod contact;
 mod coupling;
 mod discrete;
@@ -17,15 +18,14 @@ mod sliding;
 mod stress;
 mod support;
 mod surface;
-mod unseen;
 
 pub use balance::{Balance, Wrench};
+pub use between_nodes::{BetweenNodes, Overlap, PassedNode};
 pub use discrete::{Body, Share};
 pub use pair::Pair;
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
 pub use sliding::LargeMotion;
 pub use surface::SurfaceStress;
-pub use unseen::{BetweenNodes, OnTheWay, Overlap};
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -200,7 +200,7 @@ impl Model {
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
-            (None, HeldRows::alone(mesh, dofs, *element, law)?)
+            (None, HeldRows::rows_only(mesh, dofs, *element, law)?)
         } else {
             let (stiffness, rows) = HeldRows::beside(mesh, dofs, *element, volumes, law, &springs)?;
             (Some(stiffness), rows)
@@ -218,7 +218,7 @@ impl Model {
             contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
         };
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
-        let Motions { rates: mut motions, bends, nearest } =
+        let Motions { rates: mut motions, gap_corrections, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
@@ -234,7 +234,7 @@ impl Model {
         }
         let on_springs: Vec<_> = prescribed.iter().map(|motion| motion.forces_of_springs(&groups, &springs)).collect();
         let statics = Statics::new(mesh, dofs, rows, support::shares(holdings), beds.clone(), &forces, &on_springs);
-        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
+        let loading = Loading::new(cases, gap)?.with_motions(motions, gap_corrections)?.with_friction(friction)?;
 
         let recovery = Recovery::new(mesh, &contacts, &contact_boundaries, &pairs.all);
         let past = |contact: &ContactNode| support::moves_past(&prescribed, dofs, &groups, contact);

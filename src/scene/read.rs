@@ -132,8 +132,8 @@ impl Reader<'_> {
     }
 
     /// Fails if one of `keys` is given, which do not belong to `whose`.
-    fn foreign(self, whose: &str, keys: &[(&str, bool)]) -> Result<(), SceneError> {
-        foreign(whose, keys).map_err(|fault| self.at(fault))
+    fn reject_keys(self, whose: &str, keys: &[(&str, bool)]) -> Result<(), SceneError> {
+        reject_keys(whose, keys).map_err(|fault| self.at(fault))
     }
 
     /// Converts a quantity with the same unit in two and three dimensions.
@@ -185,7 +185,7 @@ fn needed<T>(name: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T,
 }
 
 /// Fails if one of `keys` is given, which do not belong to `whose`.
-fn foreign(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
+fn reject_keys(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
     only(whose, &[], keys)
 }
 

@@ -157,7 +157,7 @@ pub struct Condensed {
     /// The change of basis of the displacements of the problem, if there is one.
     basis: Option<OwnBasis>,
     /// The contact nodes of the condensed problem, if they are a subset.
-    part: Option<NodeSubset>,
+    subset: Option<NodeSubset>,
 }
 
 /// A subset of the contact nodes of a body.
@@ -207,7 +207,7 @@ impl Condensed {
             border,
             cases: Vec::new(),
             basis,
-            part: None,
+            subset: None,
         };
         condensed.load(loading)?;
         Ok(condensed)
@@ -245,26 +245,26 @@ impl Condensed {
         cholesky: SparseCholesky,
     ) -> Result<Self, LinearError> {
         let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
-        Ok(Condensed { part: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
+        Ok(Condensed { subset: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
     }
 
     /// Returns the contact nodes of the condensed problem, ascending, or `None` if they are all contact nodes of the
     /// body.
     pub(crate) fn nodes(&self) -> Option<&[usize]> {
-        self.part.as_ref().map(|part| part.nodes.as_slice())
+        self.subset.as_ref().map(|subset| subset.nodes.as_slice())
     }
 
     /// Restricts per-contact-node values of the body to the nodes of the condensed problem.
     pub(crate) fn on_nodes<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
-        match &self.part {
-            Some(part) => part.nodes.iter().map(|&i| values[i]).collect(),
+        match &self.subset {
+            Some(subset) => subset.nodes.iter().map(|&i| values[i]).collect(),
             None => Cow::Borrowed(values),
         }
     }
 
     /// Extends per-node values of the condensed problem to all contact nodes of the body, with 0 elsewhere.
     pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
-        let Some(NodeSubset { nodes, all }) = &self.part else { return values };
+        let Some(NodeSubset { nodes, all }) = &self.subset else { return values };
         let mut of_all = vec![0.0; *all];
         nodes.iter().zip(values).for_each(|(&i, value)| of_all[i] = value);
         of_all

@@ -231,8 +231,8 @@ fn neutral_motion(
     for &i in free {
         let distance = (increment.gap[i] - problem.c_n().dot(i, &state.u)).max(0.0);
         let approach = problem.c_n().dot(i, &u);
-        let way = &mut room[usize::from(approach < 0.0)];
-        *way = way.min(distance / approach.abs());
+        let limit = &mut room[usize::from(approach < 0.0)];
+        *limit = limit.min(distance / approach.abs());
     }
     NeutralMotion { weights, room }
 }

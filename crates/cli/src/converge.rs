@@ -25,7 +25,7 @@ use stickslip::solver::history::{Observer, Status};
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use quantity::Sought;
-pub use steps::{Ended, Errors, Limits, Step};
+pub use steps::{Errors, Limits, Refinement, Step};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ pub struct Convergence {
     /// The number of increments of the scene.
     pub own_increments: usize,
     /// The steps of the study and its end.
-    pub ended: Ended,
+    pub ended: Refinement,
     /// The report of the last run.
     pub last: RunReport,
 }

@@ -46,14 +46,14 @@ impl Field {
     fn at(&self, places: &[usize]) -> Field {
         let Field { name, components, values } = self;
         let values = match values {
-            Values::Real(values) => Values::Real(taken(values, *components, places)),
-            Values::Whole(values) => Values::Whole(taken(values, *components, places)),
+            Values::Real(values) => Values::Real(values_at(values, *components, places)),
+            Values::Whole(values) => Values::Whole(values_at(values, *components, places)),
         };
         Field { name, components: *components, values }
     }
 }
 
-fn taken<T: Copy>(values: &[T], components: usize, places: &[usize]) -> Vec<T> {
+fn values_at<T: Copy>(values: &[T], components: usize, places: &[usize]) -> Vec<T> {
     places.iter().flat_map(|place| &values[place * components..][..components]).copied().collect()
 }
 

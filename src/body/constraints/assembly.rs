@@ -181,7 +181,7 @@ impl HeldRows {
     ///
     /// # Errors
     /// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
-    pub fn alone(
+    pub fn rows_only(
         mesh: &Mesh,
         dofs: &Dofs,
         element: Element,

@@ -251,7 +251,7 @@ impl Dofs {
     pub fn in_mesh(&self, node: usize) -> usize {
         match self.jump_of(node) {
             Some(jump) => jump.node,
-            None => self.point_of(node).map_or(node, |(point, _)| point.carried),
+            None => self.point_of(node).map_or(node, |(point, _)| point.carried_node),
         }
     }
 
@@ -395,7 +395,7 @@ pub struct ReferencePoint {
     /// The length `r` by which rotations are multiplied, m.
     pub radius: f64,
     /// A node that it carries.
-    pub carried: usize,
+    pub carried_node: usize,
 }
 
 impl ReferencePoint {
@@ -404,7 +404,7 @@ impl ReferencePoint {
         let arm = |node: &usize| norm(minus(mesh.nodes[*node], position));
         let radius = nodes.iter().map(arm).fold(0.0, f64::max);
         let radius = if radius > 0.0 { radius } else { mesh.size() };
-        ReferencePoint { position, radius, carried: nodes.first().copied().unwrap_or(0) }
+        ReferencePoint { position, radius, carried_node: nodes.first().copied().unwrap_or(0) }
     }
 
     /// Returns the displacement of its second node for a `rotation`, rad.

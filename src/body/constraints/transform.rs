@@ -120,8 +120,8 @@ impl Dofs {
     pub fn passed_on(&self, node: usize, force: [f64; 3]) -> Vec<(usize, [f64; 3])> {
         match self.relative.get(&node) {
             Some(Relative { own, others, tied: true, .. }) => {
-                let part = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
-                others.iter().map(part).collect()
+                let term = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
+                others.iter().map(term).collect()
             }
             _ => Vec::new(),
         }

@@ -174,7 +174,7 @@ impl Mortar {
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
-            for part in cover::parts(mesh, facet, cover, &lost) {
+            for part in cover::facet_shares(mesh, facet, cover, &lost) {
                 let turns = mesh.is_quadratic(facet);
                 sums.entry(part.node).or_default().add(mesh, &edges, (cover.normal, turns), part);
             }
@@ -397,7 +397,7 @@ fn lost(
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             *whole.entry(node).or_default() += weight;
         }
-        for part in cover::parts(mesh, facet, cover, &lost) {
+        for part in cover::facet_shares(mesh, facet, cover, &lost) {
             *covered.entry(part.node).or_default() += part.weight;
         }
     }

@@ -138,12 +138,12 @@ impl Triangles {
             }));
         }
         let extent = Bounds::of(corners.as_flattened()).extent();
-        let mut parts = Vec::with_capacity(corners.len());
-        corners.iter().enumerate().for_each(|(t, corners)| cover(corners, extent, &mut |part| parts.push((part, t))));
+        let mut boxes = Vec::with_capacity(corners.len());
+        corners.iter().enumerate().for_each(|(t, corners)| cover(corners, extent, &mut |part| boxes.push((part, t))));
         let mut surface = Triangles {
             sides: Vec::new(),
             edges: Vec::new(),
-            tree: Tree::of_parts(&parts),
+            tree: Tree::of_boxes(&boxes),
             extent,
             corners,
             normals,
@@ -324,7 +324,7 @@ impl Triangles {
     /// Returns `true` if another part of the surface is beyond the side of a rim, at most `distance_limit` (m) away,
     /// with a crack between them.
     fn continues_across(&self, side: &Side, distance_limit: f64) -> bool {
-        let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
+        let across = |step: f64| self.nearest(plus(side.middle(), step, side.off)).map(|(distance, _)| distance.abs());
         // The triangles beside a narrower crack meet what is in front of it.
         let is_open = across(PAST * CRACK * self.extent).is_none();
         is_open && across(distance_limit).is_some_and(|distance| distance < 0.5 * distance_limit)
@@ -438,13 +438,13 @@ mod tests {
         let rim = |k: usize| [at(k).1, at(k).0, 0.1 * at(3 * k).1];
         let fan = Triangles::new((0..n).map(|k| [[0.0, 0.0, 0.5], rim(k), rim(k + 1)]).collect()).unwrap();
         for x in [[0.31, 0.44, 0.0], [-0.6, 0.6, 0.0], [0.2, -0.71, 0.3]] {
-            let mut seen = HashSet::new();
+            let mut visited = HashSet::new();
             fan.tree.along(x, [0.0, 0.0, -1.0], 0.0, |t| {
-                seen.insert(t);
+                visited.insert(t);
             });
-            assert!(seen.len() < n / 20, "{} of {n}", seen.len());
+            assert!(visited.len() < n / 20, "{} of {n}", visited.len());
             let found = fan.entry(x, [0.0, 0.0, -1.0]).unwrap();
-            assert!(seen.contains(&found.triangle));
+            assert!(visited.contains(&found.triangle));
             let nearest = |t: &[[f64; 3]; 3]| norm(minus(nearest_of(t, x).0, x));
             let least = fan.corners.iter().map(nearest).fold(f64::INFINITY, f64::min);
             assert!((fan.nearest(x).unwrap().0.abs() - least).abs() < 1e-12);

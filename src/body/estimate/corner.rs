@@ -103,7 +103,7 @@ impl<'a> Corners<'a> {
             before.map(|(j, share)| beside(j, share)).chain([at]).chain(shares().map(|share| beside(outer, share)));
         let points: Vec<[f64; 3]> = line.collect();
         let outward = model.contacts[i].facing.normal;
-        let gap = |x: &[f64; 3]| model.see(boundary, *time, *x, [0.0; 3], outward).distance;
+        let gap = |x: &[f64; 3]| model.nearest_obstacle(boundary, *time, *x, [0.0; 3], outward).distance;
         let gaps: Vec<f64> = points.iter().map(gap).collect();
         let slopes: Vec<f64> = (points.windows(2).zip(gaps.windows(2)))
             .map(|(x, gap)| ((gap[1] - gap[0]) / norm(minus(x[1], x[0]))).atan())

@@ -245,8 +245,8 @@ impl Model {
     /// `of_rows` (n_c) are the gaps of the rows, which on boundaries of second order combine several nodes.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
-        let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
-        if contact.is_alone() {
+        let Some((k, facing)) = self.assigned(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        if contact.is_single() {
             return of_rows[i];
         }
         let (obstacle, motion) = &self.obstacles[k];
@@ -261,7 +261,7 @@ impl Model {
     /// Returns the total force (N) on the opposite side of all nodes in the rows of contact node `i`. On boundaries of
     /// second order the nodes have different normals.
     pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
-        if self.contacts[i].is_alone() {
+        if self.contacts[i].is_single() {
             return self.contact_force(state, i);
         }
         self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))

@@ -77,7 +77,7 @@ impl Pairs {
         materials: &[Elasticity],
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
-        let carried = holding::relations(couplings, description, mesh, dofs, holdings)?;
+        let relations = holding::relations(couplings, description, mesh, dofs, holdings)?;
         let in_pairs = |glued: bool| {
             let contacts = description.contacts.iter().enumerate();
             contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
@@ -87,20 +87,20 @@ impl Pairs {
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
         let moving = moving(description, holdings);
-        let carried_nodes = couplings.carried();
+        let dependent_nodes = couplings.dependent_nodes();
         let glue = |(k, opposite): (usize, &Opposite), slaves: &BTreeSet<String>, idle: &BTreeSet<usize>| {
             let first = find(mesh, &description.contacts[k].boundary, &format!("contact[{k}]"))?;
-            let is_fixed = |node: &usize| carried_nodes.contains(node) || dofs.held(*node).count() == 3;
+            let is_fixed = |node: &usize| dependent_nodes.contains(node) || dofs.held(*node).count() == 3;
             let sides = [first, &self::opposite(mesh, opposite, k)?];
             let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
-            let tied = if joins { idle } else { &idle.union(&carried_nodes).copied().collect() };
+            let tied = if joins { idle } else { &idle.union(&dependent_nodes).copied().collect() };
             let supports = OfNodes { dofs, tied, moving: &moving, joins };
             pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
         };
         let held_alone = |row: &MortarRow| held_alone(dofs, row);
         // A node that a support, a reference point or another row determines needs no row if the opposite side depends on
         // the same nodes.
-        let (mut bonds, mut pairs) = (Bonds::new(&carried), Pairs::default());
+        let (mut bonds, mut pairs) = (Bonds::new(&relations), Pairs::default());
         let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
         for contact in in_pairs(true) {
             let pair = glue(contact, &slaves, &BTreeSet::new())?;
@@ -126,14 +126,14 @@ impl Pairs {
         for (p, contact) in in_pairs(true).enumerate().filter(|(p, _)| !idle[*p].is_empty()) {
             pairs.all[p] = glue(contact, &slaves_before[p], &idle[p])?;
         }
-        let mut bonds = Bonds::new(&carried);
-        pairs.relative = carried;
-        let (mut first, mut later, mut taken) = (Vec::new(), Vec::new(), carried_nodes.clone());
+        let mut bonds = Bonds::new(&relations);
+        pairs.relative = relations;
+        let (mut first, mut later, mut used) = (Vec::new(), Vec::new(), dependent_nodes.clone());
         for (p, pair) in pairs.all.iter().enumerate() {
             let slave = find(mesh, &pair.slave, "contact")?;
-            joints.may_follow(description, mesh, dofs, pair.contact, slave, &taken)?;
+            joints.may_follow(description, mesh, dofs, pair.contact, slave, &used)?;
             for (r, row) in pair.mortar.rows.iter().enumerate() {
-                let is_free = taken.insert(row.node) && held_alone(row).is_empty();
+                let is_free = used.insert(row.node) && held_alone(row).is_empty();
                 if is_free { first.push((p, r)) } else { later.push((p, r)) }
             }
         }
@@ -156,7 +156,7 @@ impl Pairs {
                 pairs.relative.push(solved);
             }
         }
-        for relation in pairs.relative.iter_mut().skip(carried_nodes.len()) {
+        for relation in pairs.relative.iter_mut().skip(dependent_nodes.len()) {
             *relation = bonds.resolved(dofs, relation);
         }
         // At both ends of a period, a contact has one row for the nodes that move alike, and none for others that are tied.
@@ -368,9 +368,9 @@ fn pair(
     let may_change = opposite.boundaries.len() == 1;
     let (mut mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
-        let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
+        let are_slaves = [first, second].map(|boundary| slaves.contains(&boundary.name));
         let (mortar, choice) =
-            Mortar::of_better_slave(mesh, [first, second], young, taken, &options, supports).map_err(refused)?;
+            Mortar::of_better_slave(mesh, [first, second], young, are_slaves, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)

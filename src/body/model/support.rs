@@ -289,13 +289,13 @@ impl RigidGroups {
         let group = |body: usize| firsts.binary_search(&least[body]).unwrap_or(0);
         let held: BTreeSet<usize> = holdings.iter().flatten().map(|(node, ..)| group(of(*node))).collect();
         let carrier = |from: usize| {
-            let (mut seen, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
+            let (mut visited, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
             while let Some(k) = queue.pop_front() {
                 if held.contains(&k) {
                     return k;
                 }
                 let next = neighbours.iter().filter(|(a, _)| group(*a) == k).map(|(_, b)| group(*b));
-                queue.extend(next.filter(|k| seen.insert(*k)));
+                queue.extend(next.filter(|k| visited.insert(*k)));
             }
             from
         };

@@ -120,8 +120,8 @@ impl Check for FacetedObstacle {
                 obstacle.triangles()?;
                 let pressed = (0..model.contacts.len()).filter(|&i| step.state.p_n[i] > 0.0);
                 let place = |i: usize| {
-                    let (met, facing) = model.met(i, step.record.time)?;
-                    (met == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
+                    let (own, facing) = model.assigned(i, step.record.time)?;
+                    (own == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
                 };
                 let sagitta = median(&mut obstacle.sagittas(pressed.filter_map(place)))?;
                 Some((k, sagitta))

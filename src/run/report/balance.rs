@@ -167,7 +167,7 @@ pub struct BalanceWatch {
 
 impl BalanceWatch {
     /// Examines the end of a converged increment. Increments that did not converge are not balanced anyway.
-    pub fn see(&mut self, record: &BalanceRecord) {
+    pub fn observe(&mut self, record: &BalanceRecord) {
         let left = record.balance * record.size;
         self.largest = self.largest.max(record.size);
         if self.worst.is_none_or(|[worst, ..]| left >= worst || left.is_nan()) {

@@ -96,12 +96,12 @@ pub(super) fn source(mesh: &Mesh, reader: Reader<'_>) -> Result<MeshSource, Scen
     let [of_file, of_any]: [&[_]; 2] = [given!("mesh.", mesh; file scale), given!("mesh.", mesh; size)];
     let of_block = given!("mesh.", mesh; elements cells grading origin);
     let of_half_plane = given!("mesh.", mesh; contact_width contact_elements outer_elements layers);
-    let foreign = match mesh.kind {
+    let rejected = match mesh.kind {
         MeshKind::Block => [of_file, of_half_plane].concat(),
         MeshKind::HalfPlane => [of_file, of_block].concat(),
         _ => [of_any, of_block, of_half_plane].concat(),
     };
-    reader.foreign(whose, &foreign)?;
+    reader.reject_keys(whose, &rejected)?;
     if let Some(format) = format {
         let file = reader.source.beside(reader.needed("mesh.file", mesh.file.as_ref(), KIND, whose)?);
         return Ok(MeshSource::File { format, file, scale: reader.length(mesh.scale.unwrap_or(1.0)) });

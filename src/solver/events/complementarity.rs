@@ -66,9 +66,9 @@ impl Unknowns {
         }
     }
 
-    /// Returns the status of a node that leaves the base by the `taken` ways.
-    fn status(self, may: AdmissibleTransition, has_friction: bool, taken: &[bool]) -> NodeStatus {
-        match (self, may, taken) {
+    /// Returns the status of a node that leaves the base by the ways that are `is_basic`.
+    fn status(self, may: AdmissibleTransition, has_friction: bool, is_basic: &[bool]) -> NodeStatus {
+        match (self, may, is_basic) {
             (Unknowns::Forces, AdmissibleTransition::Turn(_), [true])
             | (Unknowns::Motions, AdmissibleTransition::Turn(_), [false]) => NodeStatus::Stick,
             (_, AdmissibleTransition::Turn(sign), _) => NodeStatus::slip(sign),
@@ -139,8 +139,8 @@ impl RateSearch<'_> {
         let mut found = statuses.to_vec();
         let mut basic = &basic[..];
         for &i in concerned {
-            let (taken, others) = basic.split_at(ways(i).len());
-            found[i] = unknowns.status(problem.may[i], problem.has_friction[i], taken);
+            let (basic_ways, others) = basic.split_at(ways(i).len());
+            found[i] = unknowns.status(problem.may[i], problem.has_friction[i], basic_ways);
             basic = others;
         }
         Ok(Some(found))

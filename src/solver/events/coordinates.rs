@@ -157,8 +157,8 @@ fn completed(rows: Vec<Vec<f64>>, size: usize) -> Option<Vec<Vec<f64>>> {
         let (mut left, whole) = (row.to_vec(), length(row));
         // Two passes of orthogonalisation are enough.
         for other in orthonormal.iter().chain(orthonormal) {
-            let part: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
-            left.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);
+            let projection: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
+            left.iter_mut().zip(other).for_each(|(x, y)| *x -= projection * y);
         }
         let share = length(&left) / whole;
         let scale = 1.0 / (share * whole);

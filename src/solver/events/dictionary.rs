@@ -189,10 +189,10 @@ impl Dictionary {
         };
         // The change goes through an intermediate status, sticking or open, whose force is measured from 0.
         let drive = |status: NodeStatus| status.sign() * self.mu[i];
-        let (left, taken) = (drive(from), drive(to));
+        let (left, entered) = (drive(from), drive(to));
         if from == NodeStatus::Open && to.is_closed() {
             // F_t = (F_t - d F_n) + d F_n, both prescribed.
-            self.add_column(t, normal, taken);
+            self.add_column(t, normal, entered);
             return self.pivot(normal, false) && (to.sign() != 0.0 || self.pivot(t, false));
         }
         if to == NodeStatus::Open {
@@ -212,7 +212,7 @@ impl Dictionary {
             self.add_row(n, normal, t, left);
         }
         if to.sign() != 0.0 {
-            self.add_row(n, normal, t, -taken);
+            self.add_row(n, normal, t, -entered);
             return self.pivot(t, true);
         }
         true
@@ -275,11 +275,11 @@ impl Dictionary {
         answer.u_rest.clear();
     }
 
-    /// Measures the forces `F` of slipping nodes from the border of the cone (`way` = 1), or reverses this (`way` =
+    /// Measures the forces `F` of slipping nodes from the border of the cone (`sign` = 1), or reverses this (`sign` =
     /// -1).
-    fn measured(&self, forces: &mut [f64], way: f64) {
+    fn measured(&self, forces: &mut [f64], sign: f64) {
         for (normal, tangential, drive) in self.sliders(&self.statuses) {
-            forces[tangential] -= way * drive * forces[normal];
+            forces[tangential] -= sign * drive * forces[normal];
         }
     }
 }

@@ -26,9 +26,9 @@ pub enum NodeStatus {
 }
 
 impl NodeStatus {
-    /// Returns slip along the tangent, or opposite to it if `way` is negative.
-    pub(super) fn slip(way: f64) -> Self {
-        if way < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
+    /// Returns slip along the tangent, or opposite to it if `direction` is negative.
+    pub(super) fn slip(direction: f64) -> Self {
+        if direction < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
     }
 
     /// Returns `true` if the node touches its obstacle.

@@ -85,9 +85,9 @@ impl RateSearch<'_> {
     /// Corrects statuses whose rates break a law: all at once, then one by one if this cycles.
     fn by_correction(&mut self, statuses: &mut [NodeStatus]) -> Result<bool, LinearError> {
         let concerned = self.problem.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
-        let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
+        let mut visited: Vec<Vec<NodeStatus>> = Vec::new();
         let mut tried = vec![[0_usize; 4]; statuses.len()];
-        let mut alone = false;
+        let mut one_by_one = false;
         for turn in 0..TOGETHER + EACH * concerned {
             if !self.rates(statuses)? {
                 return Ok(false);
@@ -97,12 +97,12 @@ impl RateSearch<'_> {
             if breaches.is_empty() {
                 return Ok(true);
             }
-            if !alone && (turn >= TOGETHER || seen.iter().any(|before| before == statuses)) {
-                alone = true;
+            if !one_by_one && (turn >= TOGETHER || visited.iter().any(|before| before == statuses)) {
+                one_by_one = true;
                 self.effort.one_by_one += 1;
             }
-            if !alone {
-                seen.push(statuses.to_vec());
+            if !one_by_one {
+                visited.push(statuses.to_vec());
                 for breach in &breaches {
                     statuses[breach.node] = breach.to;
                 }

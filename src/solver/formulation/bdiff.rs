@@ -140,14 +140,14 @@ impl Bdiff {
 
     /// Writes the rows of node `i` for its cases in (21). Returns `true` if they changed.
     fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
-        let kept = self.cases[i].is_some_and(|(last_normal, last)| {
+        let keeps_case = self.cases[i].is_some_and(|(last_normal, last)| {
             let like = match (&last, &tangential) {
                 (Some(last), Some(tangential)) => tangential.is_like(last),
                 _ => last == tangential,
             };
             last_normal == normal && like
         });
-        if kept {
+        if keeps_case {
             return false;
         }
         self.cases[i] = Some((normal, tangential));
@@ -514,22 +514,22 @@ impl Bdiff {
     }
 
     /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
-    pub fn linearize_as(&mut self, kept: &Linearization) -> bool {
+    pub fn linearize_as(&mut self, saved: &Linearization) -> bool {
         let contacts = self.layout().contacts();
         let has_friction = |i: usize| self.layout().has_friction(i);
         let fits = |(i, case): (usize, &Option<Case>)| case.is_none_or(|(_, case)| case.is_some() == has_friction(i));
-        if [kept.cases.len(), kept.mu.len()] != [contacts; 2] || !kept.cases.iter().enumerate().all(fits) {
+        if [saved.cases.len(), saved.mu.len()] != [contacts; 2] || !saved.cases.iter().enumerate().all(fits) {
             return false;
         }
-        self.data.mu = kept.mu.clone().into();
+        self.data.mu = saved.mu.clone().into();
         self.cases.fill(None);
         self.matrix.release();
-        for (i, case) in kept.cases.iter().enumerate() {
+        for (i, case) in saved.cases.iter().enumerate() {
             if let Some(case) = case {
                 self.write_rows(i, *case);
             }
         }
-        if kept.cases.iter().any(Option::is_some) {
+        if saved.cases.iter().any(Option::is_some) {
             self.pin_unconstrained_modes();
         }
         true

@@ -205,12 +205,12 @@ impl IncrementSolver for BnMethod {
         let BnMethod { formulation, bn, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         if self.ahead.is_none() {
-            let (kept, is_factored) = (formulation.linearization(), bn.has_factors(linear));
+            let (saved, is_factored) = (formulation.linearization(), bn.has_factors(linear));
             formulation.linearize_for(cases);
             if bn.factor(formulation, linear)? {
                 self.ahead = ahead(formulation, bn, linear, start)?;
             }
-            formulation.linearize_as(&kept);
+            formulation.linearize_as(&saved);
             if is_factored {
                 bn.factor(formulation, linear)?;
             }

@@ -102,7 +102,7 @@ impl<'a> Body<'a> {
                 break;
             }
             reached = refined;
-            contact.go_on();
+            contact.add_response();
         }
         Ok(reached)
     }
@@ -161,5 +161,5 @@ pub(super) trait Responds {
     fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
 
     /// Adds the last response to the state.
-    fn go_on(&mut self);
+    fn add_response(&mut self);
 }

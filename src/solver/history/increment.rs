@@ -120,7 +120,7 @@ impl IncrementObserver<'_> {
 
     /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
     /// `increment` and `state` relative to the initial configuration.
-    pub(super) fn part(
+    pub(super) fn report_substep(
         &mut self,
         time: f64,
         data: &Increment<'_>,
@@ -131,7 +131,7 @@ impl IncrementObserver<'_> {
         let statuses = statuses_of(self.problem, data, &result.state);
         let at = (self.index, time, data.force);
         let record = result.record(self.problem, at, &statuses, Seconds::default());
-        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
+        self.observer.substep(&IncrementView { record: &record, increment, state, statuses: &statuses });
     }
 }
 
@@ -143,17 +143,17 @@ impl IncrementDriver<'_> {
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
-    /// Calls `see` with the last substep's data and state, both relative to the initial configuration.
-    pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
+    /// Calls `evaluate` with the last substep's data and state, both relative to the initial configuration.
+    pub(super) fn show<T>(&self, state: &State, evaluate: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
         let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.history.offset;
         if !self.history.offset.is_nonzero() {
-            return see(&self.data(), state);
+            return evaluate(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.stage.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.stage.w_t_last, w_t), moved(&self.stage.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.history.offset.whole(state))
+        evaluate(&data, &self.history.offset.whole(state))
     }
 
     /// Returns the time-step error of the increments so far.
@@ -229,7 +229,7 @@ impl IncrementDriver<'_> {
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.show(&result.state, |increment, state| {
-                    progress.part(end, &self.data(), &result, increment, state);
+                    progress.report_substep(end, &self.data(), &result, increment, state);
                 });
             } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
                 self.history.estimate = solved.then_some(substep.state);
@@ -242,7 +242,7 @@ impl IncrementDriver<'_> {
                 so_far.pending = vec![time];
                 (touches_left, divided) = (0, false);
             } else {
-                let part = match &substep.solved.stop {
+                let advance = match &substep.solved.stop {
                     Termination::Slips(motion) => {
                         let share = self.share_without_slip(from, motion, [&rollback.state.p_n, &substep.state.p_n]);
                         towards_slip(share * (end - from), end - from, margin)
@@ -250,15 +250,15 @@ impl IncrementDriver<'_> {
                     _ => 0.5 * (end - from),
                 };
                 // There is no time between neighbouring numbers.
-                let no_time = from + part <= from || from + part >= end;
-                if part < smallest || no_time || !self.smaller_may_do(&substep)? {
+                let no_time = from + advance <= from || from + advance >= end;
+                if advance < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let slips = substep.status == Status::Slips;
                     let slip = slips.then_some(Slip { by: end, p_n: rollback.state.p_n });
                     let result = Step { slip, ..so_far.up_to(substep) };
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.go_back(rollback);
-                so_far.pending.push(from + part);
+                so_far.pending.push(from + advance);
             }
         }
     }

@@ -248,11 +248,11 @@ impl IncrementErrors {
         *self = IncrementErrors { force: forces, gap, nodes, change: Vec::new(), ..*before };
     }
 
-    /// Returns `true` if the snapshot `kept` has the sizes of this problem.
-    pub(super) fn fit(&self, kept: &IncrementErrors) -> bool {
+    /// Returns `true` if the snapshot `saved` has the sizes of this problem.
+    pub(super) fn fit(&self, saved: &IncrementErrors) -> bool {
         let sizes = |of: &IncrementErrors| [of.force.len(), of.gap.len(), of.nodes.len()];
-        let known = sizes(kept)[0] + 3 * sizes(kept)[1];
-        sizes(self) == sizes(kept) && [0, known].contains(&kept.change.len())
+        let known = sizes(saved)[0] + 3 * sizes(saved)[1];
+        sizes(self) == sizes(saved) && [0, known].contains(&saved.change.len())
     }
 
     /// Returns the estimate so far.
@@ -350,7 +350,7 @@ impl IncrementErrors {
             Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
-        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, at, z)?;
+        let clamped_error = self.held_at_first_touch(&cases, &mut begins, turned, weight, at, z)?;
         let mut sticks = false;
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
@@ -398,7 +398,7 @@ impl IncrementErrors {
         if sums[1] > self.sums[1] {
             self.sums = sums;
         }
-        self.largest[0] = self.largest[0].max(alone);
+        self.largest[0] = self.largest[0].max(clamped_error);
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
         Ok(())

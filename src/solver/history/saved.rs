@@ -285,11 +285,11 @@ impl Snapshot {
     }
 }
 
-/// Copies `kept` to `values`. Returns `false` if the lengths differ.
-pub(super) fn take_over(values: &mut [f64], kept: &[f64]) -> bool {
-    let fits = values.len() == kept.len();
+/// Copies `saved` to `values`. Returns `false` if the lengths differ.
+pub(super) fn take_over(values: &mut [f64], saved: &[f64]) -> bool {
+    let fits = values.len() == saved.len();
     if fits {
-        values.copy_from_slice(kept);
+        values.copy_from_slice(saved);
     }
     fits
 }

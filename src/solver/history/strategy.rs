@@ -56,9 +56,9 @@ pub(super) struct Attempt {
 }
 
 const NEWTON: Attempt = Attempt { distance: None, patience: 40 };
-const NEAR: Attempt = Attempt { distance: Some(1.0), patience: 30 };
-const FAR: Attempt = Attempt { distance: Some(10.0), patience: 30 };
-const FARTHEST: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
+const IP_START_1: Attempt = Attempt { distance: Some(1.0), patience: 30 };
+const IP_START_10: Attempt = Attempt { distance: Some(10.0), patience: 30 };
+const IP_START_100: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
 
 /// Returns `true` if no other attempt is needed.
 fn ends(result: &MethodResult) -> bool {
@@ -70,10 +70,10 @@ fn ends(result: &MethodResult) -> bool {
 pub(super) const BN_ALONE: &[Attempt] = &[Attempt { patience: usize::MAX, ..NEWTON }];
 
 /// The attempts of `method = "bn"`.
-pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
+pub(super) const BN: &[Attempt] = &[NEWTON, IP_START_1, IP_START_10, IP_START_100];
 
 /// The attempts of `method = "ip"`.
-pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
+pub(super) const IP: &[Attempt] = &[IP_START_1, IP_START_10, IP_START_100];
 
 /// The error of an increment with a drag, which is to tell pressures and statuses only.
 const DRAGGED: f64 = 1e-6;

@@ -70,7 +70,7 @@ impl Bn {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
         // The paper's test applies only after a step.
-        if end.met(f64::INFINITY, error) {
+        if end.is_met(f64::INFINITY, error) {
             return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
@@ -117,17 +117,17 @@ impl Bn {
             error = end.measure(z, &self.z_lo)?;
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
-            let mut met = formulation.is_referred() && end.met(theta, error);
-            if (repeated || formulation.is_affine() && end.is_measured()) && !met {
+            let mut converged = formulation.is_referred() && end.is_met(theta, error);
+            if (repeated || formulation.is_affine() && end.is_measured()) && !converged {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
-                met = self.refine(formulation, linear, z, &mut end)?;
-                match self.motion_ahead(formulation, z, met) {
+                converged = self.refine(formulation, linear, z, &mut end)?;
+                match self.motion_ahead(formulation, z, converged) {
                     None => theta = self.evaluate(formulation, z)?,
                     Some(stop) => outcome.stop = stop,
                 }
             }
             // Affine equations have this one solution; whether it is good enough is for the verdict.
-            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
+            if outcome.ends(converged || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
                 break;
             }
         }
@@ -258,7 +258,7 @@ fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Result<(), Li
 /// The sets of cases that an increment has visited.
 #[derive(Default)]
 struct Cycle {
-    seen: HashSet<Vec<u8>>,
+    visited: HashSet<Vec<u8>>,
     visits: usize,
     /// The number of the visit that brought the last new set.
     last_new: usize,
@@ -267,7 +267,7 @@ struct Cycle {
 impl Cycle {
     fn visit(&mut self, cases: Vec<u8>) {
         self.visits += 1;
-        if self.seen.insert(cases) {
+        if self.visited.insert(cases) {
             self.last_new = self.visits;
         }
     }
@@ -308,7 +308,7 @@ impl StopCriterion<'_> {
     }
 
     /// Returns `true` if the iterate with the merit `theta` and this error is a solution.
-    fn met(&self, theta: f64, measured: Option<f64>) -> bool {
+    fn is_met(&self, theta: f64, measured: Option<f64>) -> bool {
         match self {
             StopCriterion::Merit(epsilon) => theta <= *epsilon,
             StopCriterion::Measured { tolerance, .. } => measured.is_some_and(|error| error <= *tolerance),

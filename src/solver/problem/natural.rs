@@ -264,8 +264,8 @@ impl ContactProblem {
             }
             // The rows have been brought to length one.
             for relation in null_space(group.len(), columns.into_values().map(Column::of_unit_size)) {
-                let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
-                found.extend(part.map(|((node, _), _)| *node));
+                let terms = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
+                found.extend(terms.map(|((node, _), _)| *node));
             }
         }
         found.into_iter().collect()

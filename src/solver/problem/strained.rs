@@ -41,10 +41,10 @@ mod tests {
     fn what_is_small_beside_a_free_motion_is_left() {
         let motions = [vec![1.0, 1.0, 1.0, 1.0], vec![0.0, 1.0, 2.0, 3.0]];
         // 1e9 along one mode and 1e6 along the other, plus a strained part below the rounding of these.
-        let part = [1e-8, -1e-8, -1e-8, 1e-8];
+        let u_lo = [1e-8, -1e-8, -1e-8, 1e-8];
         let u: Vec<f64> = (0..4).map(|i| 1e9 + 1e6 * f64::from(i)).collect();
-        let (left, u_rest) = strained(&motions, &u, &part);
-        for ((left, rest), part) in left.iter().zip(&u_rest).zip(part) {
+        let (left, u_rest) = strained(&motions, &u, &u_lo);
+        for ((left, rest), part) in left.iter().zip(&u_rest).zip(u_lo) {
             assert!((left + rest - part).abs() < 1e-15, "{left} {rest}");
         }
         assert_eq!(strained(&[], &u, &[]), (u, vec![0.0; 4]));

@@ -109,9 +109,9 @@ fn without(q: &[Vec<f64>], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut products, mut remainder) = (vec![0.0; q.len()], v.to_vec());
     for _ in 0..2 {
         for (q, product) in q.iter().zip(&mut products) {
-            let part = dot(q, &remainder);
-            *product += part;
-            remainder.iter_mut().zip(q).for_each(|(x, q)| *x -= part * q);
+            let projection = dot(q, &remainder);
+            *product += projection;
+            remainder.iter_mut().zip(q).for_each(|(x, q)| *x -= projection * q);
         }
     }
     (products, remainder)

@@ -52,14 +52,14 @@ pub(crate) fn landing(
     let size = norm(&sizes);
     let cones: Vec<FrictionCone> =
         (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
-    let (mut distance, mut way) = (distance.to_vec(), vec![0.0; load.len()]);
+    let (mut distance, mut motion) = (distance.to_vec(), vec![0.0; load.len()]);
     if distance.iter().zip(tolerance).any(|(distance, reach)| -distance > *reach)
         && let Some(out) = pushed_out(&cones, &distance)
     {
         for (cone, distance) in cones.iter().zip(&mut distance) {
             *distance -= dot(&cone.normal, &out);
         }
-        way = out;
+        motion = out;
     }
     for _ in 0..ROUNDS {
         let (nodes, apart): (Vec<usize>, Vec<usize>) = (0..cones.len()).partition(|&i| distance[i] <= tolerance[i]);
@@ -67,7 +67,7 @@ pub(crate) fn landing(
         let driven = unbalanced(&touching, &load, size).and_then(|_| {
             FiniteCone::new(load.len(), touching.iter().map(|cone| cone.normal.clone())).outside(&load, size)
         });
-        let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&way), nodes }) };
+        let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&motion), nodes }) };
         let y: Vec<f64> = y.iter().map(|x| x / norm(&y)).collect();
         // A rounding component of the motion towards an obstacle does not count.
         let nearing = |i: usize| Some(dot(&cones[i].normal, &y)).filter(|w| *w > NEGLIGIBLE * norm(&cones[i].normal));
@@ -80,7 +80,7 @@ pub(crate) fn landing(
                 *distance -= step * dot(&cones[i].normal, &y).min(0.0);
             }
         }
-        way.iter_mut().zip(&y).for_each(|(way, y)| *way += step * y);
+        motion.iter_mut().zip(&y).for_each(|(way, y)| *way += step * y);
     }
     None
 }

@@ -223,8 +223,8 @@ fn contacts(scene: &Scene, model: &Model) {
             obstacle.extend(motions(model, given));
             let obstacle = obstacle.join(", ");
             if several {
-                let met = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
-                say!("             {obstacle}, met by {met} node{}", if met == 1 { "" } else { "s" });
+                let assigned = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
+                say!("             {obstacle}, met by {assigned} node{}", if assigned == 1 { "" } else { "s" });
             } else {
                 say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
             }

@@ -83,11 +83,11 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
-    let kept = |StudyFolder { path, .. }: &StudyFolder<'_>| {
+    let open = |StudyFolder { path, .. }: &StudyFolder<'_>| {
         CellFolder::open(path, origin(&scene)?, args.resume).map_err(|error| write_failure(path, &error))
     };
-    let kept = folder.as_ref().map(kept).transpose()?;
-    let cells = kept.as_ref().map_or(&() as &dyn Cells, |kept| kept);
+    let store = folder.as_ref().map(open).transpose()?;
+    let cells = store.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.histories(), "histories");
     let comparison = compare::compute(&scene, &plan, cells, &mut progress).map_err(|error| match error {
@@ -101,7 +101,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
     let runs = comparison.runs_csv();
     print_results(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
-    if let (Some(folder), Some(cells)) = (&folder, &kept) {
+    if let (Some(folder), Some(cells)) = (&folder, &store) {
         cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }
     let runs =

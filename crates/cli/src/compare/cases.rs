@@ -22,7 +22,7 @@ fn has_exact_path(model: &Model) -> bool {
     let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
     let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
     let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
-    straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
+    straight && apart && unloaded && loading.gap_corrections().is_empty() && loading.friction().is_none()
 }
 
 /// A scene on one mesh, with its reference.
@@ -53,11 +53,11 @@ impl Study {
             expect_exact_path(&scene, &model)?;
         }
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
-        let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
+        let reference = Solved::stored_or(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
         })?;
-        let seen = reference.seen.and_then(|seen| seen.of(&model));
-        let estimates = seen.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
+        let watch = reference.seen.and_then(|seen| seen.of(&model));
+        let estimates = watch.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
         let result = MeshResult {
             mesh,
             displacements: model.problem.displacements(),
@@ -76,7 +76,7 @@ impl Study {
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
         let Study { scene, model, built, result } = self;
         let mesh = &result.mesh;
-        let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
+        let solved = Solved::stored_or(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
@@ -140,8 +140,8 @@ fn solve(
         iterates: recorder.iterates,
     };
     let work = records.iter().map(|record| record.friction_work).sum();
-    let seen = recorder.last.map(|last| last.watch);
-    Ok(Solved { increments, course, state: outcome.state, work, seen })
+    let watch = recorder.last.map(|last| last.watch);
+    Ok(Solved { increments, course, state: outcome.state, work, seen: watch })
 }
 
 impl SolverPath {
@@ -199,7 +199,7 @@ impl Observer for Recorder<'_> {
         if let Some(LastIncrement { model, end, watch }) = &mut self.last
             && end.is_some_and(|end| step.record.time >= end)
         {
-            watch.see(model, step);
+            watch.observe(model, step);
         }
         ControlFlow::Continue(())
     }
@@ -228,6 +228,6 @@ mod tests {
         )
         .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.bends()[0].times(), ends);
+        assert_eq!(study.model.loading.gap_corrections()[0].times(), ends);
     }
 }

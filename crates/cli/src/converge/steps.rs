@@ -109,7 +109,7 @@ impl Errors {
 
 /// The end of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ended {
+pub struct Refinement {
     /// The verdict.
     pub verdict: Verdict,
     /// The reason why a run or the study ended early; empty otherwise.
@@ -178,7 +178,7 @@ pub(super) fn refine(
     limits: Limits,
     may_be_singular: bool,
     solve: &mut Solve<'_>,
-) -> Result<Ended, ConvergeError> {
+) -> Result<Refinement, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
     let mut steps: Vec<Step> = Vec::new();
@@ -223,7 +223,7 @@ pub(super) fn refine(
         }
     };
     let errors = errors(&steps);
-    Ok(Ended { verdict, reason, steps, errors, predicted })
+    Ok(Refinement { verdict, reason, steps, errors, predicted })
 }
 
 /// Returns the errors of the last run; `None` without a value.
@@ -318,7 +318,7 @@ mod tests {
     use stickslip::scene::Scene;
 
     /// Refines a manufactured value of the element size h and the length of increments k, both halved each time.
-    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> Ended {
+    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> Refinement {
         let text = include_str!("../../../../data/scenes/block.toml");
         let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
         let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();

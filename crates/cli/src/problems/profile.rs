@@ -41,12 +41,12 @@ impl Profile {
     /// Returns for each solver the points `[τ, ρ(τ)]` at which its share increases, from τ = 1 on.
     pub fn curves(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
         let all = self.times.len().max(1) as f64;
-        let alone = self.solvers.len() < 2;
+        let is_single = self.solvers.len() < 2;
         let points = |place: usize| {
             let ratio = |times: &Vec<Option<f64>>| {
                 let own = times.get(place).copied().flatten()?;
                 let best = times.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-                Some(if alone { own } else { own / best })
+                Some(if is_single { own } else { own / best })
             };
             let mut ratios: Vec<f64> = self.times.values().filter_map(ratio).collect();
             ratios.sort_by(f64::total_cmp);

@@ -44,14 +44,14 @@ pub struct Row {
 
 /// The quantities that a table shows.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Shown {
+pub struct TableQuantities {
     /// The quantities of the table; `None`: the key results that any variant has.
     pub table: Option<Vec<TableQuantity>>,
     /// The quantity of the chart.
     pub plot: Option<TableQuantity>,
 }
 
-impl Shown {
+impl TableQuantities {
     /// Returns all quantities of table and chart, each once.
     pub fn all(&self) -> Vec<TableQuantity> {
         let key_results = || KEY_RESULTS.iter().filter_map(|result| result.key.parse().ok()).collect();
@@ -67,7 +67,7 @@ const DIGITS: usize = 6;
 
 impl Sweep {
     /// Creates the table of `scene` over `varied`, with a row for each combination, of the quantities of `shown`.
-    pub fn new(scene: &Scene, varied: Vec<Variation>, shown: Shown, variants: Vec<Row>) -> Self {
+    pub fn new(scene: &Scene, varied: Vec<Variation>, shown: TableQuantities, variants: Vec<Row>) -> Self {
         // Without any force, no unit depends on the dimension.
         let forces = || variants.iter().flat_map(|row| row.outcome.boundaries());
         let dimension = forces().find_map(|on| Some(on["force"].as_array()?.len()));

@@ -20,7 +20,7 @@ use stickslip::solver::{Checkpoint, CheckpointError};
 #[derive(Debug)]
 pub struct LockedOutputDir {
     place: Locked,
-    kept: Option<(Checkpoint, Kept)>,
+    earlier: Option<(Checkpoint, Kept)>,
     is_damaged: bool,
 }
 
@@ -34,24 +34,24 @@ impl LockedOutputDir {
     pub fn new(path: &Path) -> io::Result<Self> {
         let place = Locked::open(path, may_take)?;
         refuse_folders(&place.directory)?;
-        let kept = place.directory.read(CHECKPOINT).and_then(|mut file| {
+        let stored = place.directory.read(CHECKPOINT).and_then(|mut file| {
             let mut bytes = Vec::new();
             file.read_to_end(&mut bytes).map(|_| bytes)
         });
-        let (kept, is_damaged) = match kept {
+        let (earlier, is_damaged) = match stored {
             Ok(bytes) => {
-                let kept = Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint)));
-                let is_damaged = kept.is_err();
-                (kept.ok(), is_damaged)
+                let read = Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint)));
+                let is_damaged = read.is_err();
+                (read.ok(), is_damaged)
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => (None, false),
             Err(error) => return Err(error),
         };
         // The run may have been killed before it could remove them.
-        if kept.as_ref().is_some_and(|(kept, _): &(Kept, _)| kept.ended.is_some()) {
+        if earlier.as_ref().is_some_and(|(earlier, _): &(Kept, _)| earlier.ended.is_some()) {
             lists::FILES.iter().try_for_each(|name| place.directory.remove(name))?;
         }
-        Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
+        Ok(LockedOutputDir { place, earlier: earlier.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
     }
 
     /// Returns `true` if an earlier run has left a checkpoint that cannot be read: it is damaged, or of another build.
@@ -74,16 +74,16 @@ impl LockedOutputDir {
 
     /// Returns the checkpoint of an earlier run, if any, with the identification of the run, its linear solver, and its verdict if it has finished.
     pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &KeptSolver, Option<Status>)> {
-        let (checkpoint, kept) = self.kept.as_ref()?;
-        Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
+        let (checkpoint, earlier) = self.earlier.as_ref()?;
+        Some((checkpoint, &earlier.origin, &earlier.linear, earlier.ended))
     }
 
     /// Returns the first file of a finished run that is missing, or shorter than the run has left it.
     pub fn lacks(&self) -> Option<&str> {
-        let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
+        let (_, earlier) = self.earlier.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
         let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
         // The page can be made again, by other versions too.
-        let needed = kept.files.iter().filter(|(name, _)| name != PAGE);
+        let needed = earlier.files.iter().filter(|(name, _)| name != PAGE);
         needed.into_iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
     }
 
@@ -138,9 +138,9 @@ impl LockedOutputDir {
     /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is missing or shorter than at the
     /// checkpoint.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
-        let LockedOutputDir { mut place, kept, .. } = self;
-        let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
-        place.go_on();
+        let LockedOutputDir { mut place, earlier, .. } = self;
+        let (_, Kept { origin, linear, files, fields, .. }) = earlier.ok_or_else(damaged)?;
+        place.resume();
         let table = |name: &str| {
             let length =
                 files.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
@@ -196,7 +196,7 @@ fn may_take(directory: &Directory) -> io::Result<()> {
     if read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes() {
         return Ok(());
     }
-    Err(directory.foreign(first))
+    Err(directory.not_written_here(first))
 }
 
 /// Returns an error if a folder has the name of a result file.

@@ -106,8 +106,8 @@ impl ResultFolder {
         ended: Option<Status>,
     ) -> io::Result<()> {
         let (origin, linear) = self.of.clone();
-        let kept = Kept { origin, linear, files, fields: self.fields.files().to_vec(), ended };
-        let bytes = checkpoint.with(&kept).to_bytes().map_err(io::Error::other)?;
+        let state = Kept { origin, linear, files, fields: self.fields.files().to_vec(), ended };
+        let bytes = checkpoint.with(&state).to_bytes().map_err(io::Error::other)?;
         self.place.directory.write(CHECKPOINT, |file| {
             file.write_all(&bytes)?;
             directory::ignore_unsupported(file.sync_data())

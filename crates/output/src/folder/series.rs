@@ -84,7 +84,7 @@ mod tests {
     fn a_run_goes_on_with_another_number_of_ranks() {
         let path = std::env::temp_dir().join(format!("stickslip-series-{}", std::process::id()));
         let mut place = Locked::open(&path, |_| Ok(())).unwrap();
-        place.go_on();
+        place.resume();
         let shared = squares();
         let mut alone = squares();
         alone.cell_fields.pop();
@@ -123,7 +123,7 @@ mod tests {
     fn a_part_that_cannot_be_written_is_named_nowhere() {
         let path = std::env::temp_dir().join(format!("stickslip-series-fails-{}", std::process::id()));
         let mut place = Locked::open(&path, |_| Ok(())).unwrap();
-        place.go_on();
+        place.resume();
         let mut series = Series::default();
         series.add(&mut place, 1, 0.5, &squares()).unwrap();
         // A file does not replace a folder.

@@ -43,7 +43,7 @@ pub(super) struct View {
     /// `true` if supports hold a visible node along the normal.
     pub(super) held: bool,
     /// `true` if nothing is in front of a visible node.
-    pub(super) alone: bool,
+    pub(super) isolated: bool,
     /// The length of the longest arrow, px.
     pub(super) arrow: f64,
     /// `true` if nodes are far enough apart for markers.
@@ -99,7 +99,7 @@ impl View {
             bands: Bands::up_to(most(|node| node.pressure)),
             most_traction,
             held: visible().any(|node| node.status.is_none() && node.held),
-            alone: visible().any(|node| node.status.is_none() && !node.held),
+            isolated: visible().any(|node| node.status.is_none() && !node.held),
             arrow: (ARROW * spacing).max(SHORTEST),
             markers: spacing > 16.0,
         }

@@ -187,7 +187,7 @@ fn the_body_before_is_undeformed() {
 struct Parts(Vec<RecordedIncrement>, Vec<RecordedIncrement>);
 
 impl Observer for Parts {
-    fn part(&mut self, part: &IncrementView<'_>) {
+    fn substep(&mut self, part: &IncrementView<'_>) {
         self.0.push(RecordedIncrement::new(part));
     }
 

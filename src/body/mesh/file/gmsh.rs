@@ -199,8 +199,8 @@ fn entities(
                 let count = row.size()?;
                 let physical = row.list(count, Fields::int)?;
                 if dimension > 0 && row.is_binary() {
-                    let parts = row.size()?;
-                    row.list(parts, Fields::int)?;
+                    let count = row.size()?;
+                    row.list(count, Fields::int)?;
                 }
                 Some((tag, physical))
             })?;

@@ -106,13 +106,13 @@ impl RawMesh {
         let mut used = vec![false; self.nodes.len()];
         let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
         cells.flat_map(|block| &block.elements).flat_map(|(_, nodes)| nodes).for_each(|&node| used[node] = true);
-        let kept = used.iter().filter(|used| **used).count();
-        let unused = used.len() - kept;
+        let count = used.iter().filter(|used| **used).count();
+        let unused = used.len() - count;
         if unused == 0 {
             return 0;
         }
         let twins = self.twins(&used);
-        let (mut next_used, mut next_unused) = (0, kept);
+        let (mut next_used, mut next_unused) = (0, count);
         let mut places: Vec<usize> = used
             .iter()
             .map(|&used| {

@@ -113,17 +113,17 @@ impl Bdiff {
         let product = |a: &[f64], b: &[f64]| places.iter().map(|&k| a[k] * b[k]).sum::<f64>();
         let mut dz = vec![0.0; z.len()];
         let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
-        let mut taken = Vec::<Vec<f64>>::new();
+        let mut orthogonal = Vec::<Vec<f64>>::new();
         for weights in self.unconstrained_modes() {
             let mut motion = self.data.motion(&weights, z.len());
-            for other in &taken {
-                let part = product(&motion, other) / product(other, other);
-                motion.iter_mut().zip(other).for_each(|(u, other)| *u -= part * other);
+            for other in &orthogonal {
+                let projection = product(&motion, other) / product(other, other);
+                motion.iter_mut().zip(other).for_each(|(u, other)| *u -= projection * other);
             }
-            let part = product(&left, &motion) / product(&motion, &motion);
-            dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += part * u);
-            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= part * u);
-            taken.push(motion);
+            let step = product(&left, &motion) / product(&motion, &motion);
+            dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += step * u);
+            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= step * u);
+            orthogonal.push(motion);
         }
         let step = if self.stays(z, &dz, 1.0) { 1.0 } else { self.bisect(z, &dz, 0.0, 1.0).0 };
         z.iter().zip(&dz).map(|(z, dz)| z + step * dz).collect()

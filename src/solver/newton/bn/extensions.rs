@@ -80,18 +80,18 @@ impl Bn {
             z.copy_from_slice(&candidate);
             self.z_lo = z_lo;
             best = reached;
-            if end.met(f64::INFINITY, best) {
+            if end.is_met(f64::INFINITY, best) {
                 break;
             }
         }
-        Ok(end.met(f64::INFINITY, best))
+        Ok(end.is_met(f64::INFINITY, best))
     }
 
     /// Moves along the unconstrained mode in the last direction until the first contact node changes its case. Returns the
-    /// reason to stop if there is no such mode, if none does, or if the solution is `met`.
-    pub(super) fn motion_ahead(&self, formulation: &Bdiff, z: &mut [f64], met: bool) -> Option<Termination> {
+    /// reason to stop if there is no such mode, if none does, or if the solution is `converged`.
+    pub(super) fn motion_ahead(&self, formulation: &Bdiff, z: &mut [f64], converged: bool) -> Option<Termination> {
         let Some(mode) = formulation.unconstrained_mode() else { return Some(Termination::Stalled) };
-        let max_step = if met { None } else { formulation.max_step(z, &self.dz) };
+        let max_step = if converged { None } else { formulation.max_step(z, &self.dz) };
         let Some(step) = max_step else { return Some(Termination::Unconstrained(mode)) };
         z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
         None

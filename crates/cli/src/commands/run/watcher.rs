@@ -112,7 +112,7 @@ impl Observer for Watcher<'_> {
         }
     }
 
-    fn part(&mut self, part: &IncrementView<'_>) {
+    fn substep(&mut self, part: &IncrementView<'_>) {
         let is_wanted = self.is_wanted(part);
         if let (Some(folder), true) = (&mut self.folder, is_wanted && self.failed_write.is_none()) {
             let mut lines = ContactLine::all(self.model, part).into_iter();

@@ -332,10 +332,10 @@ impl Model {
         for (name, sides) in &mut boundaries {
             // An element of a lower dimension in the ELSET of this name is the same side.
             let skin = self.element_sets.indices(name, &self.element_indices).into_iter();
-            let mut seen: HashSet<Facet> = skin.map(|e| sorted(&self.elements[e].nodes)).collect();
+            let mut known: HashSet<Facet> = skin.map(|e| sorted(&self.elements[e].nodes)).collect();
             sides.retain(|&(e, k)| {
                 let Element { kind, nodes, .. } = &self.elements[e];
-                seen.insert(sorted(&kind.sides()[k].iter().map(|&k| nodes[k]).collect::<Vec<_>>()))
+                known.insert(sorted(&kind.sides()[k].iter().map(|&k| nodes[k]).collect::<Vec<_>>()))
             });
         }
         self.mesh.remarks.extend(points);

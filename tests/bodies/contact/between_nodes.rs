@@ -48,7 +48,7 @@ fn a_roller_takes_the_place_of_another() {
     let [bottom] = &report.boundaries[..] else { panic!() };
     let on = |k: usize| bottom.obstacles[k].force[1];
     assert!((on(0) + force(&both[7])).abs() < 1e-9 * force(&both[7]) && on(1) == 0.0, "{} {}", on(0), on(1));
-    let met: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.met(i, 2.0)?.0)).collect();
+    let met: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
     assert!(met.iter().zip(&model.contacts).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
 }
 
