@@ -163,7 +163,7 @@ impl Mesh {
     }
 
     /// Formats a point as `(x, y)` or `(x, y, z)`.
-    pub fn place(&self, x: [f64; 3]) -> String {
+    pub fn format_point(&self, x: [f64; 3]) -> String {
         let [x, y, z] = x;
         if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
     }

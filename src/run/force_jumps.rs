@@ -112,8 +112,8 @@ impl JumpDetector {
             return;
         }
         let to = End { time: step.record.time, state: contact_forces(state), force: Vec::new() };
-        let place = self.suspected.partition_point(|other| other.released > released);
-        self.suspected.insert(place, Suspect { from, to, change, released });
+        let index = self.suspected.partition_point(|other| other.released > released);
+        self.suspected.insert(index, Suspect { from, to, change, released });
         self.suspected.truncate(MOST);
     }
 

@@ -365,10 +365,10 @@ fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<
 
 /// Returns the `wanted` rows of `map` on the contact displacements, transformed by `basis`; all other rows are empty.
 fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl Fn(usize) -> bool) -> Csr {
-    let place = |dof: &usize| border.binary_search(dof).ok();
+    let index = |dof: &usize| border.binary_search(dof).ok();
     let row = |i: usize| {
         let row = basis.map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
-        row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
+        row.into_iter().filter_map(|(dof, c)| index(&dof).map(|k| (k, c)))
     };
     Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
 }

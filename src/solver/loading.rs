@@ -403,22 +403,22 @@ impl Loading {
     /// Restricts the loading to the contact `nodes`, ascending.
     pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
         let motion = |motion: &Motion| {
-            let (places, nodes) = restricted(&motion.nodes, nodes);
+            let (indices, nodes) = restricted(&motion.nodes, nodes);
             Motion {
                 gap: nodes.iter().map(|i| motion.gap[i - motion.nodes.start]).collect(),
                 drift: nodes.iter().map(|i| motion.drift[i - motion.nodes.start]).collect(),
-                nodes: places,
+                nodes: indices,
                 history: motion.history.clone(),
             }
         };
-        let restricted_correction = |bend: &GapCorrection| {
-            let (places, nodes) = restricted(&bend.nodes, nodes);
-            let of = |i: &usize| i - bend.nodes.start;
+        let restricted_correction = |correction: &GapCorrection| {
+            let (indices, nodes) = restricted(&correction.nodes, nodes);
+            let of = |i: &usize| i - correction.nodes.start;
             GapCorrection {
-                gap: bend.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
-                drift: bend.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
-                nodes: places,
-                times: bend.times.clone(),
+                gap: correction.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                drift: correction.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                nodes: indices,
+                times: correction.times.clone(),
             }
         };
         Loading {
@@ -441,9 +441,9 @@ impl FrictionHistory {
 
 /// Returns the `nodes` in `range`, and their positions in `nodes`.
 fn restricted<'a>(range: &Range<usize>, nodes: &'a [usize]) -> (Range<usize>, &'a [usize]) {
-    let place = |end: usize| nodes.partition_point(|node| *node < end);
-    let places = place(range.start)..place(range.end);
-    (places.clone(), &nodes[places])
+    let index = |end: usize| nodes.partition_point(|node| *node < end);
+    let indices = index(range.start)..index(range.end);
+    (indices.clone(), &nodes[indices])
 }
 
 /// Coulomb's coefficients of the contact nodes over time, `μ_i(t) = Σ_k f_k(t) μ_ki`.

@@ -25,7 +25,7 @@ use stickslip::solver::history::{Observer, Status};
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use quantity::Sought;
-pub use steps::{Errors, Limits, Refinement, Step};
+pub use steps::{Errors, Limits, Step, StudyResult};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ pub struct Convergence {
     /// The number of increments of the scene.
     pub own_increments: usize,
     /// The steps of the study and its end.
-    pub ended: Refinement,
+    pub result: StudyResult,
     /// The report of the last run.
     pub last: RunReport,
 }
@@ -132,13 +132,13 @@ pub fn compute(
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
     let sought = plan.sought.at(&scene.description).map_err(ConvergeError::Quantity)?;
     let mut last = None;
-    let ended = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
+    let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
         let (run, report) = solve(scene, &sought, (&ladder, mesh, increments), steps, progress, observer)?;
         last = Some(report);
         Ok(run)
     })?;
     let last = last.ok_or(ConvergeError::NoFinerMesh)?;
-    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, ended, last })
+    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last })
 }
 
 /// Solves the scene on these levels of mesh and increments, after the `steps`.

@@ -34,8 +34,8 @@ const IEEE: &str = "floating-point numbers of IEEE 754 in 4 or 8 bytes";
 /// Returns the position of the superblock of a file: at its start, or after a user block, whose length is 512 bytes
 /// times a power of two.
 fn superblock(bytes: &[u8]) -> Option<usize> {
-    let places = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
-    places.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
+    let offsets = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
+    offsets.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
 }
 
 /// Returns `true` if these are the `bytes` of an HDF5 file.

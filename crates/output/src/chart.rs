@@ -210,7 +210,7 @@ impl Chart {
         }
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         svg.line(&corners, THIN, BLACK);
-        let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.place(a)?)), up(y.share(scale.place(b)?))]);
+        let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.map(a)?)), up(y.share(scale.map(b)?))]);
         for curve in panel.curves.iter().rev() {
             let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
             curve.draw(svg, &points);

@@ -89,7 +89,7 @@ impl DeformedBody {
                 continue;
             }
             let depth = corners.iter().map(|x| dot(*x, view.towards)).sum::<f64>() / corners.len() as f64;
-            patches.push((depth, corners.iter().map(|x| view.place(*x)).collect(), stresses[e]));
+            patches.push((depth, corners.iter().map(|x| view.project(*x)).collect(), stresses[e]));
         }
         if mesh.dimension == 3 {
             patches.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -103,8 +103,8 @@ impl DeformedBody {
         } else {
             edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
         };
-        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.place(end));
-        let axis = |c: usize| view.place(stickslip::algebra::axis(c));
+        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.project(end));
+        let axis = |c: usize| view.project(stickslip::algebra::axis(c));
         DeformedBody {
             index: step.record.index,
             time: step.record.time,
@@ -236,7 +236,7 @@ impl View {
         View { right, up: cross(towards, right), towards }
     }
 
-    fn place(&self, x: [f64; 3]) -> [f64; 2] {
+    fn project(&self, x: [f64; 3]) -> [f64; 2] {
         [dot(x, self.right), dot(x, self.up)]
     }
 }
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn a_body_in_space_stands_upright() {
         let view = View::of(3);
-        let [x, y, z] = [0, 1, 2].map(|c| view.place(stickslip::algebra::axis(c)));
+        let [x, y, z] = [0, 1, 2].map(|c| view.project(stickslip::algebra::axis(c)));
         assert!(x[0] > 0.5 && y[0] > 0.0 && z[0].abs() < 1e-15 && z[1] > 0.5 && y[1] > 0.0);
         assert!((dot(cross(view.right, view.up), view.towards) - 1.0).abs() < 1e-15);
     }

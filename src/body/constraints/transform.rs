@@ -141,11 +141,11 @@ impl Dofs {
     /// Computes the stiffness `Tᵀ K T` of an element with these nodes, and returns its unknowns and the stiffness.
     pub(super) fn reduced(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let unknowns = self.unknowns_of(nodes);
-        let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
+        let index = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
         let components = stiffness.len() / nodes.len();
         let row = |k: usize| self.along(nodes[k / components], axis(k % components));
         let rows: Vec<Vec<(usize, f64)>> =
-            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (place(dof), c)).collect()).collect();
+            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (index(dof), c)).collect()).collect();
         let mut reduced = vec![vec![0.0; unknowns.len()]; unknowns.len()];
         for (row, values) in rows.iter().zip(stiffness).filter(|(row, _)| !row.is_empty()) {
             let mut of_row = vec![0.0; unknowns.len()];

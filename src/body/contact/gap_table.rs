@@ -132,7 +132,7 @@ impl GapTable {
     /// Returns the gap (m) at `x`: linear between the points of a line, bilinear between the points of a grid, NaN
     /// outside.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        let place = |c: usize| -> Option<(usize, f64)> {
+        let cell = |c: usize| -> Option<(usize, f64)> {
             let (knots, x) = (&self.knots[c], x[self.coordinates[c]]);
             // A node on the rim may lie outside by a rounding error of its coordinates.
             let slack = 1e-9 * (knots[knots.len() - 1] - knots[0]);
@@ -146,8 +146,8 @@ impl GapTable {
         };
         // The interpolation is exact at both ends.
         let between = |a: f64, b: f64, s: f64| if s < 1.0 { a + s * (b - a) } else { b };
-        let places: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(place).collect();
-        match places.as_deref() {
+        let cells: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(cell).collect();
+        match cells.as_deref() {
             Some(&[(k, s)]) => between(self.gaps[k], self.gaps[k + 1], s),
             Some(&[(i, s), (j, t)]) => {
                 let row = |i: usize| {

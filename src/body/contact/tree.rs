@@ -110,7 +110,7 @@ impl Tree {
     fn build(&mut self, all: &[Bounds], first: usize, end: usize) {
         let things = &mut self.things[first..end];
         let bounds = things.iter().fold(Bounds::of(&[]), |bounds, &k| bounds.with(&all[k]));
-        let (place, leaf) = (self.boxes.len(), end - first <= LEAF);
+        let (index, leaf) = (self.boxes.len(), end - first <= LEAF);
         self.boxes.push(Node { bounds, next: 0, first, count: if leaf { end - first } else { 0 } });
         if !leaf {
             let spread = Bounds::of(&things.iter().map(|&k| [0, 1, 2].map(|c| all[k].centre(c))).collect::<Vec<_>>());
@@ -121,7 +121,7 @@ impl Tree {
             self.build(all, first, first + half);
             self.build(all, first + half, end);
         }
-        self.boxes[place].next = self.boxes.len();
+        self.boxes[index].next = self.boxes.len();
     }
 
     fn things(&self, node: &Node) -> impl Iterator<Item = usize> {

@@ -92,16 +92,16 @@ fn cover(corners: &[[f64; 3]; 3], extent: f64, add: &mut impl FnMut(Bounds)) {
 }
 
 /// Returns the bits of a point, for exact comparison; + 0.0 turns -0 into 0.
-fn place(x: [f64; 3]) -> [u64; 3] {
+fn key(x: [f64; 3]) -> [u64; 3] {
     x.map(|c| (c + 0.0).to_bits())
 }
 
 /// Returns the corners of a triangle rotated to begin with the least one; the orientation is kept.
 fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
-    let mut places = corners.map(place);
-    let least = (0..3).min_by_key(|k| places[*k]).unwrap_or(0);
-    places.rotate_left(least);
-    places
+    let mut keys = corners.map(key);
+    let least = (0..3).min_by_key(|k| keys[*k]).unwrap_or(0);
+    keys.rotate_left(least);
+    keys
 }
 
 impl Triangles {
@@ -127,7 +127,7 @@ impl Triangles {
         let mut numbers = HashMap::new();
         for (corners, normal) in corners.iter().zip(&normals) {
             points.push([0, 1, 2].map(|k| {
-                let number = *numbers.entry(place(corners[k])).or_insert(vertices.len());
+                let number = *numbers.entry(key(corners[k])).or_insert(vertices.len());
                 if number == vertices.len() {
                     vertices.push(Feature::default());
                 }

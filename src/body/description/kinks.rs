@@ -26,8 +26,8 @@ impl Kinks<'_> {
     /// Describes the history, for example as `the load on top`, with coordinates in `units`.
     pub fn history(&self, units: &UnitSystem) -> String {
         match &self.of {
-            History::Load(load) => format!("the load on {}", load.action.place(units)),
-            History::Support(support) => format!("the support of {}", support.at.place(units)),
+            History::Load(load) => format!("the load on {}", load.action.location(units)),
+            History::Support(support) => format!("the support of {}", support.at.location(units)),
             History::Pretension(pretension) => format!("the pretension {}", pretension.name),
             History::Lock(pretension) => format!("the lock of the pretension {}", pretension.name),
             History::Friction(boundary) => format!("the friction at {boundary}"),

@@ -117,10 +117,10 @@ impl Action {
     }
 
     /// Describes what the load acts on, with coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
             Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
-            Action::Force { at, .. } => at.place(units),
+            Action::Force { at, .. } => at.location(units),
             Action::Moment { coupling, .. } => coupling.clone(),
             Action::Acceleration(_) | Action::Spin { .. } | Action::Temperature(_) => "the body".to_string(),
         }
@@ -167,7 +167,7 @@ impl Where {
     }
 
     /// Returns the name of the boundary, or the coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
             Where::Boundary(name) | Where::Coupling(name) => name.clone(),
             Where::Point(point) => format!("{:?}", units.coordinates(&point.components()[..point.dimension()])),

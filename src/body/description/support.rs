@@ -159,9 +159,9 @@ impl Bed {
     }
 
     /// Describes what the spring acts on, with coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
-            Bed::Axes { at, .. } => at.place(units),
+            Bed::Axes { at, .. } => at.location(units),
             Bed::Rotational { coupling: name, .. } | Bed::Surface { boundary: name, .. } => name.clone(),
         }
     }

@@ -99,7 +99,7 @@ pub(super) struct Statics {
     springs: Vec<Vec<Spring>>,
     loads: Vec<UnitLoad>,
     /// The nodes of each support, spring or foundation, and load.
-    places: [Vec<Vec<usize>>; 3],
+    nodes: [Vec<Vec<usize>>; 3],
     /// For each motion of supports, the forces of springs (N) on the nodes due to its rigid offset at factor 1.
     on_springs: Vec<NodalForces>,
 }
@@ -139,12 +139,12 @@ impl Statics {
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
         let of_loads = |forces: &NodalForces| forces.iter().map(|(node, _)| *node).collect();
-        let mut places: [Vec<Vec<usize>>; 3] = [
+        let mut nodes: [Vec<Vec<usize>>; 3] = [
             shares.iter().map(of_supports).collect(),
             springs.iter().map(of_springs).collect(),
             loads.iter().map(of_loads).collect(),
         ];
-        for nodes in places.iter_mut().flatten() {
+        for nodes in nodes.iter_mut().flatten() {
             for node in nodes.iter_mut() {
                 *node = dofs.translating(*node);
             }
@@ -153,7 +153,7 @@ impl Statics {
         }
         let loads = loads.iter().map(acting).collect();
         let on_springs = on_springs.iter().map(at_nodes).collect();
-        Statics { rows, shares, springs, loads, places, on_springs }
+        Statics { rows, shares, springs, loads, nodes, on_springs }
     }
 
     /// Returns all springs; foundations have one for each facet.
@@ -388,7 +388,7 @@ impl Model {
             let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
             sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
         };
-        self.statics.places.each_ref().map(|places| places.iter().map(mean).collect())
+        self.statics.nodes.each_ref().map(|nodes| nodes.iter().map(mean).collect())
     }
 
     /// Returns for each coupling the force and the moment about its reference point that the forces of all `[loads,

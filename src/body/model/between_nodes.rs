@@ -139,12 +139,12 @@ impl Model {
             let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
-                let mean = |place: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
-                    place.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
+                let mean = |point: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
+                    point.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
                 };
-                let nearest_at = |place: &[(usize, f64)]| {
-                    let x = mean(place, &|node| self.mesh.nodes[node]);
-                    self.nearest_obstacle(boundary, t, x, mean(place, &|node| displacements[node]), outward)
+                let nearest_at = |point: &[(usize, f64)]| {
+                    let x = mean(point, &|node| self.mesh.nodes[node]);
+                    self.nearest_obstacle(boundary, t, x, mean(point, &|node| displacements[node]), outward)
                 };
                 let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
                 for node in facet {

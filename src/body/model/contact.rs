@@ -218,7 +218,7 @@ impl Contacts {
         };
         let earlier = &self.nodes[same];
         if dot(node.facing.normal, earlier.facing.normal) < 0.0 {
-            let place = units.place(node.position);
+            let place = units.point(node.position);
             let message =
                 format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
             let help = "give an obstacle another normal, or let the boundaries share no node";
@@ -276,7 +276,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let Some(other) = whose.insert(sorted(facet), own) else { continue };
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
-            let place = description.system(mesh.dimension).place(middle);
+            let place = description.system(mesh.dimension).point(middle);
             let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
@@ -302,7 +302,7 @@ fn edges_are_alike(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Res
             let share = mesh.share_of_ends(facet);
             for [_, middle, _] in mesh.bent_edges(facet) {
                 if *shares.entry(middle).or_insert(share) != share {
-                    let place = description.system(mesh.dimension).place(mesh.nodes[middle]);
+                    let place = description.system(mesh.dimension).point(mesh.nodes[middle]);
                     let message =
                         format!("a triangle and a quadrilateral of second order with contact meet at {place}");
                     let help = "let the boundaries with contact be of triangles alone or of quadrilaterals alone, or use \
@@ -321,7 +321,7 @@ fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize)
     if mu.is_finite() && mu >= 0.0 {
         return Ok(mu);
     }
-    let place = units.place(node.position);
+    let place = units.point(node.position);
     let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
     Err(InputError::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
 }
@@ -358,7 +358,7 @@ fn assigned(
     let at_obstacle =
         |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
     let units = description.system(mesh.dimension);
-    let place = |node: usize| units.place(mesh.nodes[node]);
+    let place = |node: usize| units.point(mesh.nodes[node]);
     let times = &description.times;
     let assigned =
         meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {

@@ -63,7 +63,7 @@ impl Couplings {
             let coupled = couplings.coupled(given, mesh, k)?;
             for node in coupled.rigid().into_iter().flat_map(|(_, nodes)| nodes) {
                 if let Some(other) = dependent.insert(node, &given.name) {
-                    let place = units.place(mesh.nodes[node]);
+                    let place = units.point(mesh.nodes[node]);
                     let message =
                         format!("the couplings `{other}` and `{}` both carry the node at {place}", given.name);
                     let help = "couple boundaries that share no node, or make one coupling of both";

@@ -50,24 +50,24 @@ pub(super) fn carry_glued(
         *number = count;
         count += usize::from(!dependent.contains_key(&i));
     }
-    let mut place = 0..;
-    nodes.retain(|_| place.next().is_none_or(|i| !dependent.contains_key(&i)));
-    let mut place = 0..;
-    mu.retain(|_| place.next().is_none_or(|i| !dependent.contains_key(&i)));
+    let mut numbers_of_nodes = 0..;
+    nodes.retain(|_| numbers_of_nodes.next().is_none_or(|i| !dependent.contains_key(&i)));
+    let mut numbers_of_mu = 0..;
+    mu.retain(|_| numbers_of_mu.next().is_none_or(|i| !dependent.contains_key(&i)));
     for (boundary, own_mu) in boundaries.iter_mut().zip(own_mu) {
         let (mut nodes, mut weights, mut mus) = (Vec::new(), Vec::<f64>::new(), Vec::<f64>::new());
-        let mut places = BTreeMap::new();
+        let mut index_of = BTreeMap::new();
         for ((&i, &weight), &mu) in boundary.nodes.iter().zip(&boundary.weights).zip(&*own_mu) {
             let of_masters = dependent.get(&i).cloned().unwrap_or_else(|| vec![(i, 1.0)]);
             for (to, share) in of_masters {
-                let place = *places.entry(to).or_insert(nodes.len());
-                if place == nodes.len() {
+                let index = *index_of.entry(to).or_insert(nodes.len());
+                if index == nodes.len() {
                     nodes.push(numbers[to]);
                     weights.push(0.0);
                     mus.push(mu);
                 }
-                weights[place] += share * weight;
-                mus[place] += (mu - mus[place]) * (share * weight / weights[place]);
+                weights[index] += share * weight;
+                mus[index] += (mu - mus[index]) * (share * weight / weights[index]);
             }
         }
         (boundary.nodes, boundary.weights, *own_mu) = (nodes, weights, mus);

@@ -167,7 +167,7 @@ impl Joints {
         let Some(Section { of, normal, .. }) = joint.and_then(|joint| joint.tightened) else { return Ok(()) };
         let periodic = description.contacts[k].opposite().is_some_and(|opposite| opposite.shift.is_some());
         let key = format!("pretension[{of}].boundary");
-        let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
+        let place = |node: usize| description.system(mesh.dimension).point(mesh.nodes[node]);
         for node in slave.nodes() {
             if dofs.held(node).any(|n| dot(n, normal).abs() > SAME_DIRECTION) {
                 let message = format!("a support holds the node of `{}` at {}, which moves", slave.name, place(node));

@@ -159,8 +159,8 @@ impl Nearest {
     /// always the first.
     fn at(&self, i: usize, t: f64) -> Option<usize> {
         let of_node = self.obstacles.get(&i)?;
-        let place = self.times.partition_point(|time| *time < t);
-        of_node.get(place).or(of_node.last()).copied()
+        let index = self.times.partition_point(|time| *time < t);
+        of_node.get(index).or(of_node.last()).copied()
     }
 
     /// Finds the nearest of `obstacles` to the `contacts` at each of `times` (s, from 0), and the corrections of gaps

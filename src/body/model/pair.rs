@@ -142,7 +142,7 @@ impl Pairs {
             let row = &pair.mortar.rows[r];
             let relation = joints.with_jump(dofs, pair.contact, &pair.slave, row, relative(row, true));
             let solved = bonds.solved(dofs, relation, &held_alone(row)).map_err(|Apart| {
-                let place = description.system(mesh.dimension).place(mesh.nodes[row.node]);
+                let place = description.system(mesh.dimension).point(mesh.nodes[row.node]);
                 let message = format!(
                     "at {place}, supports or couplings determine both sides of the glued `{}`, each in its own way",
                     pair.slave
@@ -201,7 +201,7 @@ impl Pairs {
             }
         }
         dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
-            let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
+            let place = description.system(mesh.dimension).point(mesh.nodes[ring.0]);
             let of = self.all.iter().find(|pair| pair.relative.values().any(|node| *node == ring.0));
             let k = of.map_or(0, |pair| pair.contact);
             let message =
@@ -357,7 +357,7 @@ fn pair(
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
         let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-        let message = fault.message(length, |at| units.place(at.components()));
+        let message = fault.message(length, |at| units.point(at.components()));
         InputError::new(format!("{key}.{}", fault.key()), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
@@ -392,7 +392,7 @@ fn pair(
         if gap.is_finite() {
             return Ok(gap);
         }
-        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.place(place));
+        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.point(place));
         Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
     };
     let gaps: Vec<f64> = if opposite.glued {
@@ -407,7 +407,7 @@ fn pair(
         let thickness = thickness[0].min(thickness[1]);
         if *gap < -DEEPEST * thickness {
             let [depth, thickness] = [-gap, thickness].map(|x| units.rounded(Quantity::Length, x, 3));
-            let place = units.place(mesh.nodes[row.node]);
+            let place = units.point(mesh.nodes[row.node]);
             let message =
                 format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
@@ -496,7 +496,7 @@ fn share_nothing(
 ) -> Result<(), InputError> {
     let of_first: BTreeSet<usize> = first.nodes().into_iter().collect();
     let Some(node) = second.nodes().into_iter().find(|node| of_first.contains(node)) else { return Ok(()) };
-    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+    let place = description.system(mesh.dimension).point(mesh.nodes[node]);
     let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
     let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
     Err(InputError::new(format!("contact[{k}].against"), message, help))

@@ -87,7 +87,7 @@ impl PrescribedMotion {
                 let displacement = solved(dofs, node, &values);
                 let missed = |(n, to): &([f64; 3], f64)| (dot(displacement, *n) - to).abs() > SAME * size;
                 if let Some(j) = values.iter().position(missed) {
-                    let place = description.system(mesh.dimension).place(dofs.position(mesh, node));
+                    let place = description.system(mesh.dimension).point(dofs.position(mesh, node));
                     let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
                     return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));

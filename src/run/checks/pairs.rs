@@ -66,7 +66,7 @@ impl Finding for Passed {
         let (units, all) = (model.units(), model.mesh.bodies());
         let of = all.of_nodes();
         let [depth, apart] = [depth, apart].map(|x| units.rounded(Quantity::Length, x, 3));
-        let place = units.place(model.mesh.nodes[node]);
+        let place = units.point(model.mesh.nodes[node]);
         let nodes_of = |name: &str| model.mesh.boundary(name).map_or(Vec::new(), Boundary::nodes);
         let is_between = |pair: &&Pair| {
             let (slave, master) = (nodes_of(&pair.slave), pair.master.nodes());

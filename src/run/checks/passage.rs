@@ -40,7 +40,7 @@ impl Check for Passage {
             "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
              between the ends of increments is neglected; take more increments",
             if found.distance < 0.0 { "goes through" } else { "leaves" },
-            model.units().place(model.contacts[found.contact].position),
+            model.units().point(model.contacts[found.contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             so_far.beside(depth)
         );

@@ -19,7 +19,7 @@ impl Check for GapsOutOfRange {
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let RangeLeft { position, time, linearised, exact, share, .. } = self.0?;
         let (units, time) = (model.units(), six_digits(time));
-        let place = units.place(position);
+        let place = units.point(position);
         let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let \
              it move less";
         let off =

@@ -170,7 +170,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     }
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome)
-        .map_or(String::new(), |worst| format!(" at the node {}", model.units().place(model.mesh.nodes[worst.node])));
+        .map_or(String::new(), |worst| format!(" at the node {}", model.units().point(model.mesh.nodes[worst.node])));
     let violated =
         format!("{}{place}: relative error {error:.1e}, tolerance {:.0e} ({law})", broken(law), solver.tolerance);
     let why = match outcome.status {

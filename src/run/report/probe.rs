@@ -171,7 +171,7 @@ fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
 
 fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> InputError {
     let nearest = mesh.nodes.iter().min_by(|a, b| norm(minus(**a, point)).total_cmp(&norm(minus(**b, point))));
-    let message = format!("the point {} is outside of the body", units.place(point));
-    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.place(*node)));
+    let message = format!("the point {} is outside of the body", units.point(point));
+    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.point(*node)));
     InputError::new(key, message, format!("give a point of the undeformed mesh{node}"))
 }

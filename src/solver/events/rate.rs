@@ -113,9 +113,9 @@ impl RateSearch<'_> {
             // A grazing node may skip the correct status in a cycle, so each status is tried in turn.
             let next = if self.problem.may[*node] == AdmissibleTransition::Anything && self.problem.has_friction[*node]
             {
-                tried[*node][place(statuses[*node])] += 1;
+                tried[*node][index(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
-                others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
+                others.min_by_key(|status| (tried[*node][index(*status)], *status != *to)).unwrap_or(*to)
             } else {
                 *to
             };
@@ -159,6 +159,6 @@ impl RateSearch<'_> {
 
 const ALL: [NodeStatus; 4] = [NodeStatus::Stick, NodeStatus::Forward, NodeStatus::Backward, NodeStatus::Open];
 
-fn place(status: NodeStatus) -> usize {
+fn index(status: NodeStatus) -> usize {
     ALL.iter().position(|other| *other == status).unwrap_or(0)
 }

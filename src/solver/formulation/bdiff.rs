@@ -215,7 +215,7 @@ impl Bdiff {
             *row -= force;
         }
         for spring in self.matrix.springs() {
-            h[spring.place] -= spring.stiffness * z[spring.place];
+            h[spring.dof] -= spring.stiffness * z[spring.dof];
         }
         self.contact_rows(z, None, h);
         Ok(())
@@ -234,8 +234,8 @@ impl Bdiff {
         strained_lo.extend(&z_lo[n..]);
         self.matrix.matrix().add_beyond(&strained, &strained_lo, &mut sums)?;
         for spring in self.matrix.springs() {
-            sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
-            sums[spring.place].add(-spring.stiffness * strained_lo[spring.place]);
+            sums[spring.dof].add_product(-spring.stiffness, strained[spring.dof]);
+            sums[spring.dof].add(-spring.stiffness * strained_lo[spring.dof]);
         }
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());

@@ -141,8 +141,8 @@ impl Layout {
     /// Computes [`Layout::unpack`] of a `z` that is long enough.
     pub(crate) fn unpacked(&self, z: &[f64], scaling: &Scaling) -> State {
         let tangential = |direction: usize| {
-            let places = self.tangential.iter().map(|places| places[direction]);
-            places.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
+            let dofs = self.tangential.iter().map(|places| places[direction]);
+            dofs.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
         };
         State {
             u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),

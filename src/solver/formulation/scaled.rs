@@ -164,7 +164,7 @@ impl ScaledData {
     /// Returns the displacements on which contact forces act, ascending.
     pub(super) fn contact_displacements(&self) -> Vec<usize> {
         let ScaledData { layout, c_n, c_t, c_o, .. } = self;
-        let mut places: Vec<usize> = (0..layout.contacts())
+        let mut dofs: Vec<usize> = (0..layout.contacts())
             .flat_map(|i| {
                 let [p_t, p_o] = layout.tangential(i);
                 let tangential = [(c_t, p_t), (c_o, p_o)].into_iter().filter(|(_, place)| place.is_some());
@@ -172,9 +172,9 @@ impl ScaledData {
                 rows.flatten().map(|(dof, _)| *dof).collect::<Vec<_>>()
             })
             .collect();
-        places.sort_unstable();
-        places.dedup();
-        places
+        dofs.sort_unstable();
+        dofs.dedup();
+        dofs
     }
 
     /// Returns the sum of the rigid modes with these `weights`, followed by zeros up to `length`.

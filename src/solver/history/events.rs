@@ -62,7 +62,7 @@ struct ExactHistory<'a> {
 /// The start of a step, for the friction law.
 struct StepStart {
     /// The displacements relative to the obstacles along both tangents, n_c, m.
-    places: [Vec<f64>; 2],
+    slips: [Vec<f64>; 2],
     time: f64,
 }
 
@@ -167,7 +167,7 @@ impl ExactHistory<'_> {
                 sum: Step::default(),
             };
             let (step_start, lost) = loop {
-                let step_start = StepStart { places: self.path.places(), time: self.path.time() };
+                let step_start = StepStart { slips: self.path.slips(), time: self.path.time() };
                 let step = self.path.step(time)?;
                 step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
                 in_progress.sum.friction_work += step.friction_work;
@@ -288,7 +288,7 @@ impl ExactHistory<'_> {
             (None, None) => None,
         };
         let Some((time, HistoryOutcome { state, records, .. })) = landed else { return Ok(false) };
-        let data = StepData::new(problem, loading, time, &StepStart { places: self.path.places(), time: lost.time });
+        let data = StepData::new(problem, loading, time, &StepStart { slips: self.path.slips(), time: lost.time });
         let statuses = statuses_of(problem, &data.increment(), &state);
         let before = self.path.statuses().to_vec();
         self.path.continue_from(time, &self.body.restricted(&state), &statuses);
@@ -408,7 +408,7 @@ impl StepData {
         (force, gap, drift): (Vec<f64>, Vec<f64>, [Vec<f64>; 2]),
         step_start: &StepStart,
     ) -> Self {
-        let past = |k: usize| step_start.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
+        let past = |k: usize| step_start.slips[k].iter().zip(&drift[k]).map(|(slip, drift)| slip + drift).collect();
         StepData { time, force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 

@@ -231,7 +231,7 @@ impl IncrementDriver<'_> {
                 self.show(&result.state, |increment, state| {
                     progress.report_substep(end, &self.data(), &result, increment, state);
                 });
-            } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
+            } else if let Some(MissingNodes { nodes, solved }) = self.missing_nodes(&substep)? {
                 self.history.estimate = solved.then_some(substep.state);
                 self.history.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
                 self.history.in_progress = Some(so_far);
@@ -384,7 +384,7 @@ impl IncrementDriver<'_> {
     ///
     /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
     /// reported only after all nodes have been included.
-    fn lack(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
+    fn missing_nodes(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
         let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
         let Some(nodes) = self.body.nodes() else { return Ok(None) };
         if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {

@@ -203,14 +203,14 @@ fn own_stiffness(at_hand: &Csc, c_n: &Csr, i: usize) -> f64 {
 /// Returns `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
 fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
     let mut force = Mat::zeros(patch.len(), 1);
-    let place = |dof: usize| patch.binary_search(&dof);
+    let index = |dof: usize| patch.binary_search(&dof);
     for &(dof, c) in row {
-        if let Ok(k) = place(dof) {
+        if let Ok(k) = index(dof) {
             force[(k, 0)] = c;
         }
     }
     let moved = factors.solve(&force);
-    row.iter().map(|&(dof, c)| place(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
+    row.iter().map(|&(dof, c)| index(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
 }
 
 /// Returns the patch of each contact node.

@@ -124,20 +124,20 @@ impl OwnBasis {
     /// m, column by column.
     pub(crate) fn congruence(&self, border: &[usize], s: &mut [f64]) {
         let m = border.len();
-        let place = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
+        let index = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
         for (dof, others) in &self.changed {
-            let from = place(dof);
+            let from = index(dof);
             let column = s[from * m..(from + 1) * m].to_vec();
             for (other, c) in others {
-                let to = place(other);
+                let to = index(other);
                 s[to * m..(to + 1) * m].iter_mut().zip(&column).for_each(|(to, from)| *to += c * from);
             }
         }
         for column in s.chunks_exact_mut(m) {
             for (dof, others) in &self.changed {
-                let from = column[place(dof)];
+                let from = column[index(dof)];
                 for (other, c) in others {
-                    column[place(other)] += c * from;
+                    column[index(other)] += c * from;
                 }
             }
         }

@@ -157,7 +157,7 @@ fn body(scene: &Scene, model: &Model) {
         say!("pretension   {}: {how} across {}{lock}", pretension.name, pretension.boundary);
     }
     for support in &scene.description.supports {
-        say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
+        say!("support      {}: {}", support.at.location(&units), holds(support, &units, scene.time.end));
     }
     for bed in &scene.description.springs {
         let stiffness = match bed {
@@ -173,7 +173,7 @@ fn body(scene: &Scene, model: &Model) {
                 format!("{normal} along the normal, {tangential} across")
             }
         };
-        say!("spring       {}: {stiffness}", bed.place(&units));
+        say!("spring       {}: {stiffness}", bed.location(&units));
     }
 }
 
@@ -265,7 +265,7 @@ fn loads(scene: &Scene, model: &Model) {
         };
         say!(
             "load         {}: {}{sum}; factor {}",
-            load.action.place(&units),
+            load.action.location(&units),
             acts(&load.action, &units),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
@@ -343,7 +343,7 @@ fn theorem(model: &Model) {
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let place = model.units().place(model.mesh.nodes[first]);
+        let place = model.units().point(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),

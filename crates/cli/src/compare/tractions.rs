@@ -70,11 +70,11 @@ impl Tractions {
         let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
         for boundary in &model.contact_boundaries {
-            let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+            let index_of: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
                 // A node is no contact node if supports constrain its normal displacement or no obstacle is in reach.
-                let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
+                let Some(corners) = facet.iter().map(|node| index_of.get(node).copied()).collect::<Option<Vec<_>>>()
                 else {
                     continue;
                 };

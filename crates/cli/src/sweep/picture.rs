@@ -22,7 +22,7 @@ impl Sweep {
             None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
         };
         let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
-        let place = |row: &Row| {
+        let position = |row: &Row| {
             let value = row.values.get(along)?;
             if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
@@ -43,7 +43,7 @@ impl Sweep {
         let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
             let of = others.map(|(_, (variation, value))| format!("{} = {value}", variation.key));
-            Some((of.collect::<Vec<_>>().join(", "), [place(row)?, height(row)?]))
+            Some((of.collect::<Vec<_>>().join(", "), [position(row)?, height(row)?]))
         };
         let mut curves = grouped(converged.iter().filter_map(point));
         let tell_apart = curves.len() <= MAX_CURVES;

@@ -252,8 +252,8 @@ struct Under {
 
 impl Under {
     fn of(plane: &Plane, flat: &Projected, x: [f64; 3]) -> Option<Self> {
-        let (place, from_plane) = plane.place(x);
-        let shape = flat.shape_at(place)?;
+        let (point, from_plane) = plane.coordinates(x);
+        let shape = flat.shape_at(point)?;
         Some(Under { shape, distance: from_plane - flat.height(&shape), from_plane })
     }
 

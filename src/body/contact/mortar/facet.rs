@@ -156,14 +156,14 @@ impl Plane {
         let kind = Kind::of(mesh, facet);
         let mut projected = Projected { kind, at: [[0.0; 2]; MOST], height: [0.0; MOST], straight: true };
         for (k, &node) in facet.iter().enumerate() {
-            (projected.at[k], projected.height[k]) = self.place(mesh.nodes[node]);
+            (projected.at[k], projected.height[k]) = self.coordinates(mesh.nodes[node]);
         }
         projected.straight = projected.is_straight();
         projected
     }
 
     /// Returns the place of `x` in the plane, and its distance from it, m.
-    pub(super) fn place(&self, x: [f64; 3]) -> (Flat, f64) {
+    pub(super) fn coordinates(&self, x: [f64; 3]) -> (Flat, f64) {
         let from = minus(x, self.origin);
         (self.axes.map(|axis| dot(axis, from)), dot(self.normal, from))
     }

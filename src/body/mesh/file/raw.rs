@@ -144,9 +144,9 @@ impl RawMesh {
         let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let twin = |node: usize| {
-            let place = along(node);
-            let from = order.partition_point(|(other, _)| *other < place - near);
-            let beside = order[from..].iter().take_while(|(other, _)| *other <= place + near);
+            let share = along(node);
+            let from = order.partition_point(|(other, _)| *other < share - near);
+            let beside = order[from..].iter().take_while(|(other, _)| *other <= share + near);
             let mut there = beside
                 .filter(|(_, other)| norm(minus(self.nodes[*other], self.nodes[node])) <= near)
                 .map(|(_, other)| *other);

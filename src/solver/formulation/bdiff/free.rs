@@ -66,17 +66,17 @@ impl Bdiff {
             let u = self.data.motion(weights, self.layout().displacements());
             candidates.iter().map(|&place| u[place]).collect()
         };
-        let places = anchors(modes.iter().map(motion).collect());
-        self.matrix.tie(places.into_iter().map(|k| candidates[k]));
+        let pinned = anchors(modes.iter().map(motion).collect());
+        self.matrix.tie(pinned.into_iter().map(|k| candidates[k]));
     }
 
     /// Adds a small drag against displacements of contact nodes from `z` for good. No motion is rigid then. Returns the drag of
     /// each displacement.
     pub fn drag_from(&mut self, z: &[f64]) -> Vec<f64> {
-        let places = self.data.contact_displacements();
+        let dofs = self.data.contact_displacements();
         let mut drag = vec![0.0; self.layout().displacements()];
-        for &place in &places {
-            drag[place] = self.matrix.drag(place, DRAG / places.len() as f64);
+        for &place in &dofs {
+            drag[place] = self.matrix.drag(place, DRAG / dofs.len() as f64);
             self.data.force[place] += drag[place] * z[place];
         }
         self.data.rigid_modes = Arc::default();
@@ -109,8 +109,8 @@ impl Bdiff {
     /// Moves the solution `z` along the unconstrained rigid modes, without a change of cases, as near as possible to
     /// `to` in the displacements of the contact nodes.
     pub fn settled(&self, z: &[f64], to: &[f64]) -> Vec<f64> {
-        let places = self.data.contact_displacements();
-        let product = |a: &[f64], b: &[f64]| places.iter().map(|&k| a[k] * b[k]).sum::<f64>();
+        let dofs = self.data.contact_displacements();
+        let product = |a: &[f64], b: &[f64]| dofs.iter().map(|&k| a[k] * b[k]).sum::<f64>();
         let mut dz = vec![0.0; z.len()];
         let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
         let mut orthogonal = Vec::<Vec<f64>>::new();
@@ -153,7 +153,7 @@ impl Bdiff {
 /// Returns one displacement per mode by which `motions` can be distinguished: the largest entry of each mode after
 /// the modes before it have been eliminated.
 fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
-    let mut places = Vec::with_capacity(motions.len());
+    let mut pinned = Vec::with_capacity(motions.len());
     // The remainder of a linearly dependent motion is rounding.
     let least = |motion: &Vec<f64>| NEGLIGIBLE * motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     let mut motions: Vec<(f64, Vec<f64>)> = motions.into_iter().map(|motion| (least(&motion), motion)).collect();
@@ -163,8 +163,8 @@ fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
             telling.map(move |u| (k, u))
         });
         let largest = entries.max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs()));
-        let Some((k, (place, _))) = largest else { return places };
-        places.push(place);
+        let Some((k, (place, _))) = largest else { return pinned };
+        pinned.push(place);
         let (_, pivot) = motions.swap_remove(k);
         for (_, motion) in &mut motions {
             let factor = motion[place] / pivot[place];
@@ -197,10 +197,10 @@ mod tests {
             vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
             vec![0.0, -0.5, 0.0, 0.0, 0.0, 0.5],
         ];
-        let mut places = anchors(motions);
-        places.sort_unstable();
-        assert_eq!(places.len(), 3);
-        assert!(places.iter().filter(|place| *place % 2 == 1).count() == 2, "{places:?}");
+        let mut pinned = anchors(motions);
+        pinned.sort_unstable();
+        assert_eq!(pinned.len(), 3);
+        assert!(pinned.iter().filter(|place| *place % 2 == 1).count() == 2, "{pinned:?}");
         // A linearly dependent motion has no anchor of its own.
         assert_eq!(anchors(vec![vec![1.0, 2.0], vec![2.0, 4.0]]).len(), 1);
         assert_eq!(anchors(vec![vec![0.1, 0.2, 0.3], vec![0.3, 0.6, 0.9]]).len(), 1);

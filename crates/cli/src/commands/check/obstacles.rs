@@ -48,7 +48,7 @@ pub(super) fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
 /// Describes a shape and its position.
 pub(super) fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
     let units = model.units();
-    let place = |x: &Vector| units.place(x.components());
+    let place = |x: &Vector| units.point(x.components());
     let length = |x: f64| units.text(Quantity::Length, x);
     let round = |kind: &str, radius: f64, at: &Place| match at {
         Place::Apex(apex) => format!("{kind}, radius {}, apex {}", length(radius), place(apex)),

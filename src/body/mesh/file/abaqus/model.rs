@@ -293,10 +293,10 @@ impl Model {
     fn boundaries(&mut self, dimension: usize, left: &mut usize) -> Option<Vec<Named>> {
         let outer = outer(&self.elements, dimension);
         let mut boundaries: Vec<Named> = Vec::new();
-        let mut places = HashMap::new();
+        let mut index_of = HashMap::new();
         let mut add = |name: &str, found: Vec<(usize, usize)>| {
             *left = left.checked_sub(found.len())?;
-            let k = *places.entry(name.to_string()).or_insert_with(|| {
+            let k = *index_of.entry(name.to_string()).or_insert_with(|| {
                 boundaries.push((name.to_string(), Vec::new()));
                 boundaries.len() - 1
             });

@@ -183,10 +183,10 @@ impl<'a> ExactPath<'a> {
 
     /// Returns the positions of the nodes along both tangents relative to their obstacles, n_c each, m; 0 along a
     /// tangent that a node does not have.
-    pub fn places(&self) -> [Vec<f64>; 2] {
+    pub fn slips(&self) -> [Vec<f64>; 2] {
         let slide = self.now.stretch.given_at(self.now.share).slide;
-        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.loads.scaling.length;
-        self.equations.along_both(&self.now.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
+        let slip = |(w, slide): (&f64, &f64)| (w - slide) * self.loads.scaling.length;
+        self.equations.along_both(&self.now.at.w_t.iter().zip(&slide).map(slip).collect::<Vec<_>>())
     }
 
     /// Returns the external forces (N, n_u), the gaps and the motions of the obstacles along both tangents (m, n_c)
