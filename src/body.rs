@@ -8,8 +8,8 @@ pub mod fem;
 pub mod mesh;
 pub(crate) mod model;
 pub use contact::{
-    ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Hole, Meeting,
-    Mortar, MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
+    ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Hole, Mortar,
+    MortarFault, MortarOptions, MortarRow, NodeObstacle, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
     PlacedObstacle, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
     Unclear,
 };
@@ -21,6 +21,6 @@ pub use estimate::{
     ContactEstimate, ContactGraph, DiscretisationError, ElementEstimate, HertzContact, PeakOf, StickZone, peak_error,
 };
 pub use model::{
-    Balance, BetweenNodes, Body, DeformedNode, LargeMotion, Model, ModelError, OnTheWay, Overlap, Pair, RangeLeft,
+    Balance, BetweenNodes, Body, DeformedNode, LargeMotion, Model, ModelError, Overlap, Pair, PassedNode, RangeLeft,
     Share, SurfaceStress, Wrench, range_left,
 };

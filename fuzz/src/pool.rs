@@ -109,8 +109,8 @@ fn work<F: Fn(u64) -> Verdict>(shared: &Shared<F>, worker: usize, events: &mpsc:
     let _ = events.send(Event::Idle);
 }
 
-/// Checks the inputs of a plan. `tell` is shown the tally every few seconds, and each failure at once.
-pub fn run<F>(plan: Plan, check: F, mut tell: impl FnMut(&Tally, Option<&(u64, String)>)) -> Tally
+/// Checks the inputs of a plan. `report` is shown the tally every few seconds, and each failure at once.
+pub fn run<F>(plan: Plan, check: F, mut report: impl FnMut(&Tally, Option<&(u64, String)>)) -> Tally
 where
     F: Fn(u64) -> Verdict + Send + Sync + 'static,
 {
@@ -129,7 +129,7 @@ where
         thread::spawn(move || work(&shared, worker, &sender));
     };
     (0..plan.jobs).for_each(|_| hire());
-    let (mut tally, mut busy, mut told) = (Tally::default(), plan.jobs, Instant::now());
+    let (mut tally, mut busy, mut reported) = (Tally::default(), plan.jobs, Instant::now());
     while busy > 0 {
         match events.recv_timeout(Duration::from_millis(500)) {
             Ok(Event::Ended(seed, verdict, took)) => {
@@ -137,14 +137,14 @@ where
                 tally.longest = tally.longest.max((took, seed));
                 match verdict {
                     Ok(kind) => *tally.kinds.entry(kind).or_default() += 1,
-                    Err(wrong) => fail(&mut tally, seed, wrong, &mut tell),
+                    Err(wrong) => fail(&mut tally, seed, wrong, &mut report),
                 }
             }
             Ok(Event::Idle) => busy -= 1,
             Err(_) => {}
         }
-        if told.elapsed() > Duration::from_secs(5) {
-            told = Instant::now();
+        if reported.elapsed() > Duration::from_secs(5) {
+            reported = Instant::now();
             let late: Vec<(usize, u64)> = shared.at.lock().map_or(Vec::new(), |mut at| {
                 let late = at.iter().filter(|(_, (_, since))| since.elapsed() > HANGS);
                 let late: Vec<(usize, u64)> = late.map(|(worker, (seed, _))| (*worker, *seed)).collect();
@@ -153,16 +153,16 @@ where
             });
             for (_, seed) in late {
                 tally.done += 1;
-                fail(&mut tally, seed, format!("no end within {} s", HANGS.as_secs()), &mut tell);
+                fail(&mut tally, seed, format!("no end within {} s", HANGS.as_secs()), &mut report);
                 hire();
             }
-            tell(&tally, None);
+            report(&tally, None);
         }
     }
     tally
 }
 
-fn fail(tally: &mut Tally, seed: u64, wrong: String, tell: &mut impl FnMut(&Tally, Option<&(u64, String)>)) {
+fn fail(tally: &mut Tally, seed: u64, wrong: String, report: &mut impl FnMut(&Tally, Option<&(u64, String)>)) {
     tally.failures.push((seed, wrong));
-    tell(tally, tally.failures.last());
+    report(tally, tally.failures.last());
 }

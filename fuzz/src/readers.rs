@@ -109,7 +109,7 @@ fn said(error: &dyn std::error::Error) -> Verdict {
 }
 
 /// The same of one that also helps, and points into a text.
-fn told(error: &dyn Diagnostic) -> Verdict {
+fn check_diagnostic(error: &dyn Diagnostic) -> Verdict {
     let message = error.to_string();
     let help = error.help().map(|help| help.to_string()).unwrap_or_default();
     if message.trim().is_empty() || help.trim().is_empty() {

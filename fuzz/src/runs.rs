@@ -5,11 +5,11 @@ mod compare;
 mod generate;
 mod joined;
 pub mod laws;
+mod scene_text;
 mod solved;
-mod tell;
 
 pub use case::Case;
-pub use tell::Telling;
+pub use scene_text::TextOptions;
 
 use stickslip::run::Run;
 use stickslip::scene::{Override, Scene};
@@ -36,7 +36,7 @@ pub fn check(seed: u64) -> Verdict {
 
 /// The text of the scene of a seed.
 pub fn text(seed: u64) -> String {
-    if is_joined(seed) { joined::text(&mut Random::new("joined", seed)) } else { case(seed).text(&Telling::SI) }
+    if is_joined(seed) { joined::text(&mut Random::new("joined", seed)) } else { case(seed).text(&TextOptions::SI) }
 }
 
 fn is_joined(seed: u64) -> bool {
@@ -48,7 +48,7 @@ fn is_joined(seed: u64) -> bool {
 /// # Errors
 /// As [`check`].
 pub fn check_case(case: &Case) -> Verdict {
-    let scene = parsed(&case.text(&Telling::SI))?;
+    let scene = parsed(&case.text(&TextOptions::SI))?;
     let Some(solved) = Solved::of(&scene)? else { return Ok("refused") };
     let two = others(&scene, &solved)?;
     if !solved.converged() {

@@ -25,13 +25,13 @@ pub fn parallel_map<T: Sync, R: Send, E: Send>(
     let job = || {
         keep_in_this_thread();
         loop {
-            let place = next.fetch_add(1, Ordering::Relaxed);
-            let Some(task) = tasks.get(place) else { break };
+            let index = next.fetch_add(1, Ordering::Relaxed);
+            let Some(task) = tasks.get(index) else { break };
             let result = work(task);
             if result.is_err() {
                 next.store(tasks.len(), Ordering::Relaxed);
             }
-            lock(&done)[place] = Some(result);
+            lock(&done)[index] = Some(result);
         }
     };
     thread::scope(|scope| {

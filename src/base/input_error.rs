@@ -31,12 +31,12 @@ impl InputError {
     }
 }
 
-/// Returns an error unless `sound`, with the `value` of `key` and the condition `must`.
+/// Returns an error unless `is_valid`, with the `value` of `key` and the condition `must`.
 ///
 /// # Errors
 /// [`InputError`] of `key`.
-pub(crate) fn ensure(sound: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), InputError> {
-    if sound {
+pub(crate) fn ensure(is_valid: bool, key: &str, value: &impl Debug, must: &str, help: &str) -> Result<(), InputError> {
+    if is_valid {
         return Ok(());
     }
     Err(InputError::new(key, format!("{key} is {value:?}, but must be {must}"), help))

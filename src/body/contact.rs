@@ -1,7 +1,7 @@
 //! Contact with obstacles and between bodies, and the maps `C_n`, `C_t` and `C_o`.
 
+mod assignment;
 mod description;
-mod front;
 mod gap_table;
 mod kinematics;
 mod mortar;
@@ -12,9 +12,9 @@ mod surface;
 mod tree;
 mod triangles;
 
+pub(crate) use assignment::outsides;
+pub use assignment::{NodeObstacle, Unclear, holes_in_front_of, meetings, nearest};
 pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
-pub(crate) use front::outsides;
-pub use front::{Meeting, Unclear, holes_in_front_of, meetings, nearest};
 pub use gap_table::{GapTable, TableError};
 pub use kinematics::{
     ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, coupled_nodes, relative,

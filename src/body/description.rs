@@ -185,12 +185,12 @@ impl Description {
     /// Adds a support that fixes the displacements of `boundary` along `axes` at zero.
     #[must_use]
     pub fn support(self, boundary: &str, axes: &[Axis]) -> Self {
-        self.held(Support::new(boundary, axes))
+        self.with_support(Support::new(boundary, axes))
     }
 
     /// Adds a support.
     #[must_use]
-    pub fn held(mut self, support: Support) -> Self {
+    pub fn with_support(mut self, support: Support) -> Self {
         self.supports.push(support);
         self
     }

@@ -163,7 +163,7 @@ impl Mesh {
     }
 
     /// Formats a point as `(x, y)` or `(x, y, z)`.
-    pub fn place(&self, x: [f64; 3]) -> String {
+    pub fn format_point(&self, x: [f64; 3]) -> String {
         let [x, y, z] = x;
         if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
     }
@@ -173,13 +173,13 @@ impl Boundary {
     /// Returns the nodes of the boundary, each once, in the order of its facets. The list of edges may run along their
     /// direction or against it.
     pub fn nodes(&self) -> Vec<usize> {
-        let mut seen = std::collections::HashSet::new();
+        let mut visited = std::collections::HashSet::new();
         let against = self.facets.windows(2).any(|pair| pair[0].len() == 2 && pair[0][0] == pair[1][1]);
         let mut nodes = Vec::new();
         for facet in &self.facets {
             let in_order: &mut dyn Iterator<Item = &usize> =
                 if against { &mut facet.iter().rev() } else { &mut facet.iter() };
-            nodes.extend(in_order.copied().filter(|&node| seen.insert(node)));
+            nodes.extend(in_order.copied().filter(|&node| visited.insert(node)));
         }
         nodes
     }

@@ -1,6 +1,7 @@
 //! Discretisation of a description: mesh, `K`, contact maps and loads.
 
 mod balance;
+mod between_nodes;
 mod contact;
 mod coupling;
 mod discrete;
@@ -17,15 +18,14 @@ mod sliding;
 mod stress;
 mod support;
 mod surface;
-mod unseen;
 
 pub use balance::{Balance, Wrench};
+pub use between_nodes::{BetweenNodes, Overlap, PassedNode};
 pub use discrete::{Body, Share};
 pub use pair::Pair;
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
 pub use sliding::LargeMotion;
 pub use surface::SurfaceStress;
-pub use unseen::{BetweenNodes, OnTheWay, Overlap};
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -50,7 +50,7 @@ use joint::Joints;
 use load::FreeStrain;
 use motions::{Motions, Nearest};
 use recovery::Recovery;
-use support::{Carrying, Moved};
+use support::{PrescribedMotion, RigidGroups};
 use surface::Surface;
 
 /// A discretised description.
@@ -83,8 +83,8 @@ pub struct Model {
     /// The rigid motions that `problem.rigid_modes()` represents.
     pub rigid_motions: Vec<RigidMotion>,
     /// The displacements that moving supports prescribe, and the bodies that they move as rigid bodies.
-    moved: Vec<Moved>,
-    carrying: Carrying,
+    prescribed: Vec<PrescribedMotion>,
+    groups: RigidGroups,
     couplings: Couplings,
     joints: Joints,
     /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
@@ -158,19 +158,19 @@ fn contact_problem(
 }
 
 /// Adds the effect of prescribed displacements beyond the rigid offset: forces on the free part of the body, and gaps.
-fn prescribed(
-    moved: &[Moved],
+fn add_prescribed(
+    prescribed: &[PrescribedMotion],
     contacts: &[ContactNode],
-    (dofs, rows, carrying, springs): (&Dofs, &HeldRows, &Carrying, &[Spring]),
+    (dofs, rows, groups, springs): (&Dofs, &HeldRows, &RigidGroups, &[Spring]),
     (cases, motions): (&mut Vec<LoadCase>, &mut Vec<Motion>),
 ) -> Result<(), ProblemError> {
-    for moved in moved {
-        cases.push(LoadCase::new(dofs.forces(moved.forces(carrying, rows, springs)), moved.history.clone())?);
-        let beyond: Vec<_> = contacts.iter().map(|contact| moved.beyond_contact(dofs, carrying, contact)).collect();
-        if beyond.iter().any(|beyond| *beyond != [0.0; 3]) {
-            let gap = beyond.iter().map(|[n, ..]| -n).collect();
-            let drift = beyond.iter().map(|[_, t, o]| [-t, -o]).collect();
-            motions.push(Motion::new(0..contacts.len(), gap, drift, moved.history.clone())?);
+    for motion in prescribed {
+        cases.push(LoadCase::new(dofs.forces(motion.forces(groups, rows, springs)), motion.history.clone())?);
+        let deviations: Vec<_> = contacts.iter().map(|contact| motion.deviation_of(dofs, groups, contact)).collect();
+        if deviations.iter().any(|deviation| *deviation != [0.0; 3]) {
+            let gap = deviations.iter().map(|[n, ..]| -n).collect();
+            let drift = deviations.iter().map(|[_, t, o]| [-t, -o]).collect();
+            motions.push(Motion::new(0..contacts.len(), gap, drift, motion.history.clone())?);
         }
     }
     Ok(())
@@ -200,17 +200,17 @@ impl Model {
         let law = |e: usize| materials[e];
         let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
         let (stiffness, rows) = if sharing.is_some() {
-            (None, HeldRows::alone(mesh, dofs, *element, law)?)
+            (None, HeldRows::rows_only(mesh, dofs, *element, law)?)
         } else {
             let (stiffness, rows) = HeldRows::beside(mesh, dofs, *element, volumes, law, &springs)?;
             (Some(stiffness), rows)
         };
-        let carrying = Carrying::new(description, mesh, dofs, (couplings, pairs), holdings)?;
-        let mut moved = Moved::all(description, mesh, dofs, holdings, &carrying)?;
+        let groups = RigidGroups::new(description, mesh, dofs, (couplings, pairs), holdings)?;
+        let mut prescribed = PrescribedMotion::all(description, mesh, dofs, holdings, &groups)?;
         let jumps = joints.tightened(description, dofs, false);
-        moved.extend(jumps.map(|(jump, history)| Moved::of_jump(dofs, carrying.groups, jump, history)));
+        prescribed.extend(jumps.map(|(jump, history)| PrescribedMotion::of_jump(dofs, groups.count, jump, history)));
 
-        let contacts = Contacts::new(description, mesh, dofs, &moved, pairs, &carrying)?;
+        let contacts = Contacts::new(description, mesh, dofs, &prescribed, pairs, &groups)?;
         let friction = contacts.friction_history(description)?;
         let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
         let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
@@ -218,7 +218,7 @@ impl Model {
             contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
         };
         let gap: Vec<f64> = contacts.iter().map(gap).collect();
-        let Motions { rates: mut motions, bends, nearest } =
+        let Motions { rates: mut motions, gap_corrections, nearest } =
             motions::motions(&contacts, &obstacles, &gap, &description.times)?;
         let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
         let end = description.end();
@@ -228,16 +228,16 @@ impl Model {
             thermal.extend(free_strain.map(|strain| (strain, k)));
             forces.push(on_nodes);
         }
-        prescribed(&moved, &contacts, (dofs, &rows, &carrying, &springs), (&mut cases, &mut motions))?;
+        add_prescribed(&prescribed, &contacts, (dofs, &rows, &groups, &springs), (&mut cases, &mut motions))?;
         for (force, history) in joints.tightened(description, dofs, true) {
             cases.push(LoadCase::new(dofs.forces([force]), history)?);
         }
-        let on_springs: Vec<_> = moved.iter().map(|moved| moved.forces_of_springs(&carrying, &springs)).collect();
+        let on_springs: Vec<_> = prescribed.iter().map(|motion| motion.forces_of_springs(&groups, &springs)).collect();
         let statics = Statics::new(mesh, dofs, rows, support::shares(holdings), beds.clone(), &forces, &on_springs);
-        let loading = Loading::new(cases, gap)?.with_motions(motions, bends)?.with_friction(friction)?;
+        let loading = Loading::new(cases, gap)?.with_motions(motions, gap_corrections)?.with_friction(friction)?;
 
         let recovery = Recovery::new(mesh, &contacts, &contact_boundaries, &pairs.all);
-        let past = |contact: &ContactNode| support::moves_past(&moved, dofs, &carrying, contact);
+        let past = |contact: &ContactNode| support::moves_past(&prescribed, dofs, &groups, contact);
         let ties = [pairs.ties(dofs, joints), holding::ties(couplings, mesh, dofs)].concat();
         let rigid_motions = unresisted_motions(mesh, dofs, &springs, &ties);
         let shared = match &sharing {
@@ -270,8 +270,8 @@ impl Model {
             problem,
             loading,
             rigid_motions,
-            moved,
-            carrying,
+            prescribed,
+            groups,
             couplings,
             joints,
             thermal,

@@ -78,8 +78,8 @@ pub(super) fn as_chosen<'a>(
 /// Discretises `scene` with a stiffness distributed by `share` if possible, so that each process has a part of the
 /// nodes.
 pub(super) fn shared(scene: &Scene, share: Share<'_>) -> Result<Model, RunError> {
-    let part = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
-    has_room(scene.description.mesh.nodes().map(part), Budget::of_process())?;
+    let per_rank = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
+    has_room(scene.description.mesh.nodes().map(per_rank), Budget::of_process())?;
     suitable(scene, model_of(scene, Some(share))?)
 }
 
@@ -114,7 +114,7 @@ pub fn expect_exact_path(scene: &Scene, model: &Model) -> Result<(), RunError> {
 fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
     if scene.solver.method.is_exact_path() {
         expect_exact_path(scene, &model)?;
-        if !model.loading.bends().is_empty() {
+        if !model.loading.gap_corrections().is_empty() {
             let mut scene = scene.clone();
             scene.description.times = chords(&scene.description.times, &model.loading.kinks());
             model = model_of(&scene, None)?;

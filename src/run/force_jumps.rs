@@ -96,7 +96,7 @@ impl JumpDetector {
     }
 
     /// Examines the end of an increment.
-    pub(super) fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
+    pub(super) fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged || !self.may_jump {
             return;
         }
@@ -112,8 +112,8 @@ impl JumpDetector {
             return;
         }
         let to = End { time: step.record.time, state: contact_forces(state), force: Vec::new() };
-        let place = self.suspected.partition_point(|other| other.released > released);
-        self.suspected.insert(place, Suspect { from, to, change, released });
+        let index = self.suspected.partition_point(|other| other.released > released);
+        self.suspected.insert(index, Suspect { from, to, change, released });
         self.suspected.truncate(MOST);
     }
 
@@ -172,7 +172,7 @@ impl Suspect {
             let (state, scales) = (from.state.clone(), scales.clone());
             let edge = RestartPoint { problem, loading, settings, time: from.time, state, scales };
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
-            let status = edge.go_on(&[middle, to.time], &mut halves, solver)?;
+            let status = edge.proceed(&[middle, to.time], &mut halves, solver)?;
             let Halves { mut ends, found, .. } = halves;
             let Some(found) = found else {
                 if matches!(status, Status::Converged | Status::Interrupted | Status::OutOfMemory) {
@@ -226,8 +226,8 @@ impl Observer for Halves<'_> {
         self.observer.iteration(index, record)
     }
 
-    fn part(&mut self, part: &IncrementView<'_>) {
-        self.add(part);
+    fn substep(&mut self, substep: &IncrementView<'_>) {
+        self.add(substep);
     }
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {

@@ -31,7 +31,7 @@ pub fn grid(model: &Model) -> Option<Grid> {
     }
     let basis = OwnBasis::of(problem);
     let layout = Layout::new(problem);
-    let mut taken = vec![false; mesh.nodes.len()];
+    let mut used = vec![false; mesh.nodes.len()];
     let mut contacts = Vec::with_capacity(layout.contacts());
     for i in 0..layout.contacts() {
         let row = match &basis {
@@ -40,7 +40,7 @@ pub fn grid(model: &Model) -> Option<Grid> {
         };
         let mut nodes = row.iter().map(|(dof, _)| displacements[*dof].0);
         let node = nodes.next()?;
-        if nodes.any(|other| other != node) || std::mem::replace(&mut taken[node], true) {
+        if nodes.any(|other| other != node) || std::mem::replace(&mut used[node], true) {
             return None;
         }
         contacts.push(GridContact { node, forces: [layout.p_t(i), layout.p_o(i), Some(layout.p_n(i))] });

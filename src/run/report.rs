@@ -44,8 +44,8 @@ pub use peak::LargestPressure;
 pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
 pub use quantities::{
-    Column, column as column_quantity, field as field_quantity, is_known as is_known_quantity, key as key_quantity,
-    tell as in_units,
+    Column, column as column_quantity, field as field_quantity, in_units, is_known as is_known_quantity,
+    key as key_quantity,
 };
 pub use resultant::{ComponentSums, ForceRecord, OfOpposite, OnObstacle, Resultant};
 pub(super) use run::BodyRecord;

@@ -139,13 +139,13 @@ impl Observer for ReportCollector<'_, '_> {
         self.sink.observer().event(index, event);
     }
 
-    fn part(&mut self, part: &IncrementView<'_>) {
-        self.watches.jumps.see(self.model, part);
+    fn substep(&mut self, substep: &IncrementView<'_>) {
+        self.watches.jumps.observe(self.model, substep);
         if let Some(cycle) = &mut self.watches.cycle {
-            cycle.part(self.model, part);
+            cycle.substep(self.model, substep);
         }
-        let record = self.record(part);
-        self.sink.observer().part(&IncrementView { record: record.as_ref().unwrap_or(part.record), ..*part });
+        let record = self.record(substep);
+        self.sink.observer().substep(&IncrementView { record: record.as_ref().unwrap_or(substep.record), ..*substep });
     }
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
@@ -154,10 +154,10 @@ impl Observer for ReportCollector<'_, '_> {
         let converged = step.record.status == Status::Converged;
         let watches = &mut self.watches;
         watches.checks.observe(model, step);
-        watches.estimates.see(model, step);
-        watches.jumps.see(model, step);
+        watches.estimates.observe(model, step);
+        watches.jumps.observe(model, step);
         if let Some(cycle) = &mut watches.cycle {
-            cycle.see(model, step);
+            cycle.observe(model, step);
         }
         if self.keeps_last && converged || step.record.status == Status::NoContinuation {
             watches.last = Some(RecordedIncrement::new(step));
@@ -166,9 +166,9 @@ impl Observer for ReportCollector<'_, '_> {
         let forces = if converged { ForceRecord::all(model, step) } else { Vec::new() };
         let reactions = converged.then(|| BalanceRecord::new(model, step));
         watches.curves.add(step.record, &forces);
-        watches.key.see(model.mesh.geometry, step, &forces);
+        watches.key.observe(model.mesh.geometry, step, &forces);
         if let Some(reactions) = &reactions {
-            watches.balance.see(reactions);
+            watches.balance.observe(reactions);
         }
         match self.sink {
             Sink::RecordWriter(writer) => writer.add(step.record, &forces, reactions.as_ref()),

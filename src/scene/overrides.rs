@@ -197,8 +197,8 @@ impl Segment {
         let (name, indices) = text.split_at(text.find('[').unwrap_or(text.len()));
         let index = |piece: &str| piece.strip_prefix('[')?.strip_suffix(']')?.parse().ok();
         let indices = indices.split_inclusive(']').map(index).collect::<Option<Vec<usize>>>()?;
-        let sound = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
-        sound.then(|| Segment { name: name.to_string(), indices })
+        let is_valid = !name.is_empty() && name.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_' || b == b'-');
+        is_valid.then(|| Segment { name: name.to_string(), indices })
     }
 }
 

@@ -61,9 +61,9 @@ impl Provenance {
         let k = before.iter().zip(&after).take_while(|(before, after)| before.1 == after.1).count();
         let lines = [before.get(k), after.get(k)];
         if let Some((number, _)) = lines[1].or(lines[0]) {
-            let told =
+            let quoted =
                 |line: Option<&(usize, &str)>| line.map_or("nothing".to_string(), |(_, line)| format!("`{line}`"));
-            let [before, after] = lines.map(told);
+            let [before, after] = lines.map(quoted);
             changes.push(format!("line {} of the scene was {before}, and is {after}", number + 1));
         }
         for (file, hash) in &self.files {

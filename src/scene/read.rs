@@ -132,8 +132,8 @@ impl Reader<'_> {
     }
 
     /// Fails if one of `keys` is given, which do not belong to `whose`.
-    fn foreign(self, whose: &str, keys: &[(&str, bool)]) -> Result<(), SceneError> {
-        foreign(whose, keys).map_err(|fault| self.at(fault))
+    fn reject_keys(self, whose: &str, keys: &[(&str, bool)]) -> Result<(), SceneError> {
+        reject_keys(whose, keys).map_err(|fault| self.at(fault))
     }
 
     /// Converts a quantity with the same unit in two and three dimensions.
@@ -185,7 +185,7 @@ fn needed<T>(name: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T,
 }
 
 /// Fails if one of `keys` is given, which do not belong to `whose`.
-fn foreign(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
+fn reject_keys(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
     only(whose, &[], keys)
 }
 
@@ -202,8 +202,8 @@ fn time(time: &document::Time) -> Result<Time, InputError> {
     finite("time.end", end)?;
     ensure(end > 0.0, "time.end", &end, "positive", "the history runs from 0 to this time, s")?;
     let help = "the history is divided into this many equal increments";
-    let sound = (1..=10_000_000).contains(&increments);
-    ensure(sound, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
+    let is_valid = (1..=10_000_000).contains(&increments);
+    ensure(is_valid, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
     Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
 }
 

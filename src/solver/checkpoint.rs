@@ -187,9 +187,9 @@ mod tests {
     #[test]
     fn what_cannot_be_written_is_an_error() {
         for checkpoint in [Checkpoint::new(1, 0.5, &Unknown).with(&1), Checkpoint::new(1, 0.5, &1).with(&Unknown)] {
-            let told = checkpoint.to_bytes().unwrap_err();
-            assert_eq!(told.to_string(), "the checkpoint cannot be written: no format for this");
-            assert_eq!(checkpoint.part::<i32>(0), Err(told));
+            let error = checkpoint.to_bytes().unwrap_err();
+            assert_eq!(error.to_string(), "the checkpoint cannot be written: no format for this");
+            assert_eq!(checkpoint.part::<i32>(0), Err(error));
         }
     }
 }

@@ -157,7 +157,7 @@ pub struct Condensed {
     /// The change of basis of the displacements of the problem, if there is one.
     basis: Option<OwnBasis>,
     /// The contact nodes of the condensed problem, if they are a subset.
-    part: Option<NodeSubset>,
+    subset: Option<NodeSubset>,
 }
 
 /// A subset of the contact nodes of a body.
@@ -207,7 +207,7 @@ impl Condensed {
             border,
             cases: Vec::new(),
             basis,
-            part: None,
+            subset: None,
         };
         condensed.load(loading)?;
         Ok(condensed)
@@ -245,26 +245,26 @@ impl Condensed {
         cholesky: SparseCholesky,
     ) -> Result<Self, LinearError> {
         let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
-        Ok(Condensed { part: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
+        Ok(Condensed { subset: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
     }
 
     /// Returns the contact nodes of the condensed problem, ascending, or `None` if they are all contact nodes of the
     /// body.
     pub(crate) fn nodes(&self) -> Option<&[usize]> {
-        self.part.as_ref().map(|part| part.nodes.as_slice())
+        self.subset.as_ref().map(|subset| subset.nodes.as_slice())
     }
 
     /// Restricts per-contact-node values of the body to the nodes of the condensed problem.
     pub(crate) fn on_nodes<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
-        match &self.part {
-            Some(part) => part.nodes.iter().map(|&i| values[i]).collect(),
+        match &self.subset {
+            Some(subset) => subset.nodes.iter().map(|&i| values[i]).collect(),
             None => Cow::Borrowed(values),
         }
     }
 
     /// Extends per-node values of the condensed problem to all contact nodes of the body, with 0 elsewhere.
     pub(crate) fn of_all_nodes(&self, values: Vec<f64>) -> Vec<f64> {
-        let Some(NodeSubset { nodes, all }) = &self.part else { return values };
+        let Some(NodeSubset { nodes, all }) = &self.subset else { return values };
         let mut of_all = vec![0.0; *all];
         nodes.iter().zip(values).for_each(|(&i, value)| of_all[i] = value);
         of_all
@@ -298,13 +298,13 @@ impl Condensed {
         let (border, u_rest) = match &self.basis {
             None => (contact.u.clone(), self.spread(&contact.u_rest)),
             Some(basis) => {
-                let (mut border, mut rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
-                if rest.is_empty() {
+                let (mut border, mut u_rest) = (self.spread(&contact.u), self.spread(&contact.u_rest));
+                if u_rest.is_empty() {
                     basis.apply(&mut border);
                 } else {
-                    basis.apply_beyond(&mut border, &mut rest);
+                    basis.apply_dd(&mut border, &mut u_rest);
                 }
-                (self.border.iter().map(|&dof| border[dof]).collect(), rest)
+                (self.border.iter().map(|&dof| border[dof]).collect(), u_rest)
             }
         };
         let factors: Vec<f64> = self.loading.cases().iter().map(|case| case.factor(time)).collect();
@@ -365,10 +365,10 @@ fn forces(border: &[usize], basis: Option<&OwnBasis>, reduced: &Reduced) -> Vec<
 
 /// Returns the `wanted` rows of `map` on the contact displacements, transformed by `basis`; all other rows are empty.
 fn restrict(map: &Csr, border: &[usize], basis: Option<&OwnBasis>, wanted: impl Fn(usize) -> bool) -> Csr {
-    let place = |dof: &usize| border.binary_search(dof).ok();
+    let index = |dof: &usize| border.binary_search(dof).ok();
     let row = |i: usize| {
         let row = basis.map_or_else(|| map.row(i).to_vec(), |basis| basis.row(map, i));
-        row.into_iter().filter_map(|(dof, c)| place(&dof).map(|k| (k, c)))
+        row.into_iter().filter_map(|(dof, c)| index(&dof).map(|k| (k, c)))
     };
     Csr::of_rows(border.len(), (0..map.rows()).map(|i| row(i).filter(|_| wanted(i)).collect::<Vec<_>>()))
 }

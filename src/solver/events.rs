@@ -16,7 +16,7 @@
 //!
 //! | content | file |
 //! | --- | --- |
-//! | the exact path and its snapshots; the data along it | `walk.rs`, `stretch.rs` |
+//! | the exact path and its snapshots; the data along it | `exact_path.rs`, `stretch.rs` |
 //! | the rate problem and its laws | `rate_problem.rs` |
 //! | the search for its statuses | `rate.rs` |
 //! | the linear complementarity problem, if corrections fail, and Lemke's method | `complementarity.rs` |
@@ -55,19 +55,19 @@
 mod complementarity;
 mod coordinates;
 mod dictionary;
+mod exact_path;
 mod node;
 mod rate;
 mod rate_problem;
 mod stretch;
 mod tangent;
-mod walk;
 
 use serde::{Deserialize, Serialize};
 
+pub use exact_path::ExactPath;
+pub(crate) use exact_path::SavedExactPath;
 pub use node::NodeStatus;
 pub use rate_problem::Effort;
-pub use walk::ExactPath;
-pub(crate) use walk::SavedExactPath;
 
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::problem::ProblemError;

@@ -88,11 +88,11 @@ pub fn working_set(
     }
     let (within, nearest) = within_reach(&least);
     let affordable = (0..all).find(|nodes| of_contact(nodes + 1) > spare).unwrap_or(all);
-    let held = within.max(affordable).max(1);
-    if of_contact(held) > most {
+    let size = within.max(affordable).max(1);
+    if of_contact(size) > most {
         return whole(made);
     }
-    let mut nodes = nearest[..held].to_vec();
+    let mut nodes = nearest[..size].to_vec();
     nodes.sort_unstable();
     // A smaller set puts other displacements last.
     Ok(InitialWorkingSet { nodes: Some(nodes), factor: None })

@@ -44,7 +44,7 @@ pub struct Loading {
     cases: Vec<LoadCase>,
     gap: Vec<f64>,
     motions: Vec<Motion>,
-    bends: Vec<GapCorrection>,
+    gap_corrections: Vec<GapCorrection>,
     friction: Option<FrictionHistory>,
 }
 
@@ -140,19 +140,19 @@ impl Loading {
             expect_length(format!("force of load {k}"), first, case.force.len(), "as many as the first load has")?;
         }
         expect_finite("gap", &gap)?;
-        Ok(Loading { cases, gap, motions: Vec::new(), bends: Vec::new(), friction: None })
+        Ok(Loading { cases, gap, motions: Vec::new(), gap_corrections: Vec::new(), friction: None })
     }
 
     /// Adds motions of obstacles, whose effects are summed, and corrections of gaps.
     ///
     /// # Errors
     /// If one of them names a missing contact node, or if the motions overflow.
-    pub fn with_motions(self, motions: Vec<Motion>, bends: Vec<GapCorrection>) -> Result<Self, ProblemError> {
+    pub fn with_motions(self, motions: Vec<Motion>, gap_corrections: Vec<GapCorrection>) -> Result<Self, ProblemError> {
         let n_c = self.gap.len();
         let ends = motions
             .iter()
             .map(|motion| ("motion", &motion.nodes))
-            .chain(bends.iter().map(|bend| ("bend", &bend.nodes)));
+            .chain(gap_corrections.iter().map(|bend| ("bend", &bend.nodes)));
         for (what, nodes) in ends {
             if nodes.start > nodes.end {
                 let (array, value) = (format!("nodes of a {what}"), nodes.start as f64);
@@ -163,7 +163,7 @@ impl Loading {
                     .map(|()| self);
             }
         }
-        let loading = Loading { motions, bends, ..self };
+        let loading = Loading { motions, gap_corrections, ..self };
         let mut gap = vec![0.0; n_c];
         for t in loading.corner_times() {
             loading.gap_at(t, &mut gap);
@@ -206,26 +206,26 @@ impl Loading {
     }
 
     /// Returns the corrections of gaps beyond the rates of the motions.
-    pub fn bends(&self) -> &[GapCorrection] {
-        &self.bends
+    pub fn gap_corrections(&self) -> &[GapCorrection] {
+        &self.gap_corrections
     }
 
-    /// Calls `see` with every array of loads and gaps.
-    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
-        see(&self.gap);
+    /// Calls `visit` with every array of loads and gaps.
+    pub(crate) fn each_array(&self, mut visit: impl FnMut(&[f64])) {
+        visit(&self.gap);
         for LoadCase { force, history } in &self.cases {
-            see(force);
-            see(history.as_flattened());
+            visit(force);
+            visit(history.as_flattened());
         }
         for Motion { nodes, gap, drift, history } in &self.motions {
-            see(&[nodes.start as f64]);
-            [gap, drift.as_flattened(), history.as_flattened()].into_iter().for_each(&mut see);
+            visit(&[nodes.start as f64]);
+            [gap, drift.as_flattened(), history.as_flattened()].into_iter().for_each(&mut visit);
         }
-        for GapCorrection { nodes, times, gap, drift } in &self.bends {
-            see(&[nodes.start as f64]);
-            see(times);
+        for GapCorrection { nodes, times, gap, drift } in &self.gap_corrections {
+            visit(&[nodes.start as f64]);
+            visit(times);
             for row in gap.iter().map(Vec::as_slice).chain(drift.iter().map(|row| row.as_flattened())) {
-                see(row);
+                visit(row);
             }
         }
     }
@@ -298,7 +298,7 @@ impl Loading {
     /// their [`GapCorrection`]s, m.
     pub(crate) fn off_the_chords(&self) -> f64 {
         let kinks = self.kinks();
-        self.bends.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
+        self.gap_corrections.iter().map(|bend| bend.off_the_chords(&kinks)).fold(0.0, f64::max)
     }
 
     /// Returns the factors of all loads, the motions of all obstacles and the factors of friction at time `t`: the loading
@@ -326,7 +326,7 @@ impl Loading {
             let nodes = gap[motion.nodes.clone()].iter_mut();
             nodes.zip(&motion.gap).for_each(|(g, rate)| *g += distance * rate);
         }
-        for bend in &self.bends {
+        for bend in &self.gap_corrections {
             bend.add(t, &mut gap[bend.nodes.clone()]);
         }
     }
@@ -340,7 +340,7 @@ impl Loading {
             let nodes = drift[motion.nodes.clone()].iter_mut();
             nodes.zip(&motion.drift).for_each(|(d, rate)| *d += distance * rate.get(k).unwrap_or(&0.0));
         }
-        for bend in self.bends.iter().filter(|_| k < 2) {
+        for bend in self.gap_corrections.iter().filter(|_| k < 2) {
             bend.add_drift(t, k, &mut drift[bend.nodes.clone()]);
         }
         drift
@@ -370,7 +370,7 @@ impl Loading {
     /// Returns the times between which gaps are linear.
     fn corner_times(&self) -> Vec<f64> {
         let mut times = vec![0.0];
-        times.extend(self.bends.iter().flat_map(|bend| bend.times.iter().copied()));
+        times.extend(self.gap_corrections.iter().flat_map(|bend| bend.times.iter().copied()));
         times.extend(self.motions.iter().flat_map(|motion| motion.history.iter().map(|point| point[0])));
         times.sort_by(f64::total_cmp);
         times.dedup();
@@ -403,29 +403,29 @@ impl Loading {
     /// Restricts the loading to the contact `nodes`, ascending.
     pub(crate) fn of_nodes(&self, nodes: &[usize]) -> Self {
         let motion = |motion: &Motion| {
-            let (places, nodes) = part(&motion.nodes, nodes);
+            let (indices, nodes) = restricted(&motion.nodes, nodes);
             Motion {
                 gap: nodes.iter().map(|i| motion.gap[i - motion.nodes.start]).collect(),
                 drift: nodes.iter().map(|i| motion.drift[i - motion.nodes.start]).collect(),
-                nodes: places,
+                nodes: indices,
                 history: motion.history.clone(),
             }
         };
-        let bend = |bend: &GapCorrection| {
-            let (places, nodes) = part(&bend.nodes, nodes);
-            let of = |i: &usize| i - bend.nodes.start;
+        let restricted_correction = |correction: &GapCorrection| {
+            let (indices, nodes) = restricted(&correction.nodes, nodes);
+            let of = |i: &usize| i - correction.nodes.start;
             GapCorrection {
-                gap: bend.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
-                drift: bend.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
-                nodes: places,
-                times: bend.times.clone(),
+                gap: correction.gap.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                drift: correction.drift.iter().map(|row| nodes.iter().map(|i| row[of(i)]).collect()).collect(),
+                nodes: indices,
+                times: correction.times.clone(),
             }
         };
         Loading {
             cases: self.cases.clone(),
             gap: nodes.iter().map(|&i| self.gap[i]).collect(),
             motions: self.motions.iter().map(motion).collect(),
-            bends: self.bends.iter().map(bend).collect(),
+            gap_corrections: self.gap_corrections.iter().map(restricted_correction).collect(),
             friction: self.friction.as_ref().map(|friction| friction.of_nodes(nodes)),
         }
     }
@@ -440,10 +440,10 @@ impl FrictionHistory {
 }
 
 /// Returns the `nodes` in `range`, and their positions in `nodes`.
-fn part<'a>(range: &Range<usize>, nodes: &'a [usize]) -> (Range<usize>, &'a [usize]) {
-    let place = |end: usize| nodes.partition_point(|node| *node < end);
-    let places = place(range.start)..place(range.end);
-    (places.clone(), &nodes[places])
+fn restricted<'a>(range: &Range<usize>, nodes: &'a [usize]) -> (Range<usize>, &'a [usize]) {
+    let index = |end: usize| nodes.partition_point(|node| *node < end);
+    let indices = index(range.start)..index(range.end);
+    (indices.clone(), &nodes[indices])
 }
 
 /// Coulomb's coefficients of the contact nodes over time, `μ_i(t) = Σ_k f_k(t) μ_ki`.
@@ -479,11 +479,11 @@ impl FrictionHistory {
         self.nodes
     }
 
-    /// Calls `see` with every array.
-    pub(crate) fn each_array(&self, mut see: impl FnMut(&[f64])) {
+    /// Calls `visit` with every array.
+    pub(crate) fn each_array(&self, mut visit: impl FnMut(&[f64])) {
         for (mu, history) in &self.cases {
-            see(mu);
-            see(history.as_flattened());
+            visit(mu);
+            visit(history.as_flattened());
         }
     }
 
@@ -541,13 +541,13 @@ mod tests {
         assert_eq!(loading.drift_at(5.0, 0), [0.0; 3]);
         assert_eq!(loading.largest_interference(), 2.0);
 
-        let bend = GapCorrection {
+        let correction = GapCorrection {
             nodes: 0..2,
             times: vec![1.0, 1.5, 3.5],
             gap: vec![vec![0.0, 0.5], vec![1.0, 4.0], vec![-3.0, 0.0]],
             drift: vec![vec![[0.0; 2], [0.0; 2]], vec![[0.0; 2], [0.0, 2.0]], vec![[4.0, 0.0], [0.0, 2.0]]],
         };
-        let loading = Loading { bends: vec![bend], ..loading };
+        let loading = Loading { gap_corrections: vec![correction], ..loading };
         for (t, expected) in
             [(0.5, [1.0, 1.5, 2.5]), (1.25, [1.5, 1.75, 1.75]), (1.5, [2.0, 3.0, 1.5]), (2.0, [1.0, 1.0, 1.0])]
         {
@@ -557,7 +557,7 @@ mod tests {
         assert_eq!(loading.largest_interference(), 2.0);
         loading.gap_at(9.0, &mut gap);
         assert_eq!(gap[0], -2.0);
-        let before = Loading { bends: Vec::new(), ..loading.clone() };
+        let before = Loading { gap_corrections: Vec::new(), ..loading.clone() };
         for (t, added) in [(1.0, [[0.0; 2]; 2]), (1.25, [[0.0; 2], [0.0, 1.0]]), (9.0, [[4.0, 0.0], [0.0, 2.0]])] {
             for k in 0..2 {
                 let [with, without] = [&loading, &before].map(|loading| loading.drift_at(t, k));
@@ -571,11 +571,11 @@ mod tests {
         let history = vec![[0.0, 0.0], [2.0, 4.0]];
         let motion =
             Motion::new(1..4, vec![-1.0, -0.5, 2.0], vec![[0.0, 2.0], [1.0, 0.0], [3.0, 1.0]], history).unwrap();
-        let bend = GapCorrection::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
-        let bend = bend.with_drift(vec![vec![[0.0; 2]; 2], vec![[1.0, 2.0], [3.0, 4.0]]]).unwrap();
+        let correction = GapCorrection::new(0..2, vec![0.0, 2.0], vec![vec![0.0, 0.5], vec![1.0, 4.0]]).unwrap();
+        let correction = correction.with_drift(vec![vec![[0.0; 2]; 2], vec![[1.0, 2.0], [3.0, 4.0]]]).unwrap();
         let friction = FrictionHistory::new(5, vec![(vec![0.1, 0.2, 0.3, 0.4, 0.5], Vec::new())]).unwrap();
         let all = Loading::new(Vec::new(), vec![1.0, 2.0, 3.0, 4.0, 5.0]).unwrap();
-        let all = all.with_motions(vec![motion], vec![bend]).unwrap().with_friction(Some(friction)).unwrap();
+        let all = all.with_motions(vec![motion], vec![correction]).unwrap().with_friction(Some(friction)).unwrap();
         for nodes in [vec![0, 1, 2, 3, 4], vec![1, 3], vec![0, 4], vec![2], vec![3, 4], vec![4]] {
             let some = all.of_nodes(&nodes);
             let of_all = |values: Vec<f64>| nodes.iter().map(|&i| values[i]).collect::<Vec<_>>();

@@ -100,10 +100,10 @@ impl MethodResult {
         self.backward_error = self.backward_error.max(backward_error);
     }
 
-    /// Returns `true` if the iteration ends here: the stopping test is `met`, the numbers are not finite, or the
+    /// Returns `true` if the iteration ends here: the iteration has `converged`, the numbers are not finite, or the
     /// observer asks to stop.
-    fn ends(&mut self, met: bool, flow: ControlFlow<()>) -> bool {
-        self.stop = if met {
+    fn ends(&mut self, converged: bool, flow: ControlFlow<()>) -> bool {
+        self.stop = if converged {
             Termination::Converged
         } else if !self.theta.is_finite() {
             Termination::Diverged

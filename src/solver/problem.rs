@@ -283,8 +283,8 @@ impl ContactProblem {
             return Ok(balance);
         }
         let mut balance = vec![DoubleDouble::default(); state.u.len()];
-        let (u, rest) = self.strained(state);
-        self.stiffness().add_beyond(&u, &rest, &mut balance)?;
+        let (u, u_rest) = self.strained(state);
+        self.stiffness().add_beyond(&u, &u_rest, &mut balance)?;
         for (map, forces) in [(self.c_n(), &state.p_n), (self.c_t(), &state.p_t), (self.c_o(), &state.p_o)] {
             for (i, p) in forces.iter().enumerate() {
                 map.row(i).iter().for_each(|&(dof, c)| balance[dof].add_product(c, *p));
@@ -346,8 +346,8 @@ impl ContactProblem {
     /// Computes [`ContactProblem::energy_of_parts`] with friction: those that elasticity or contact rows connect to a rough node.
     pub(crate) fn energy_with_friction(&self, force: &[f64], state: &State) -> f64 {
         let part = &self.natural().contact_part;
-        let rough: BTreeSet<usize> = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0).map(|i| part[i]).collect();
-        self.energy_of_parts(force, state, |part| rough.contains(&part))
+        let frictional: BTreeSet<_> = (0..self.contacts()).filter(|&i| self.mu()[i] > 0.0).map(|i| part[i]).collect();
+        self.energy_of_parts(force, state, |part| frictional.contains(&part))
     }
 
     /// Computes the strain energy of the parts that count, of a state in equilibrium with the external forces `force` (N), as half
@@ -373,8 +373,8 @@ impl ContactProblem {
     /// Returns the displacements on which the forces of some contact `nodes` act.
     pub(crate) fn contact_displacements_of(&self, nodes: impl Iterator<Item = usize> + Clone) -> Vec<usize> {
         let normal = nodes.clone().flat_map(|i| self.c_n().row(i));
-        let rough = nodes.filter(|&i| self.mu()[i] > 0.0);
-        let tangential = rough.flat_map(|i| self.tangential_maps().map(|map| map.row(i))).flatten();
+        let frictional = nodes.filter(|&i| self.mu()[i] > 0.0);
+        let tangential = frictional.flat_map(|i| self.tangential_maps().map(|map| map.row(i))).flatten();
         normal.chain(tangential).map(|&(dof, _)| dof).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
@@ -518,12 +518,12 @@ fn check_rigid_modes(stiffness: &Stiffness, motions: &[Vec<f64>]) -> Result<(), 
             let along: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
             left.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
         }
-        let rest = norm(&left);
-        if rest.is_nan() || rest <= INDEPENDENT * whole {
+        let remainder = norm(&left);
+        if remainder.is_nan() || remainder <= INDEPENDENT * whole {
             return Err(ProblemError::Dependent { motion });
         }
         for x in &mut left {
-            *x /= rest;
+            *x /= remainder;
         }
         basis.push(left);
     }

@@ -94,8 +94,8 @@ pub(crate) fn is_held_by_friction(problem: &ContactProblem, mu: &[f64], load: &L
     let (free, load, size) = Free::under(problem, load);
     let forces = (0..problem.contacts()).flat_map(|i| {
         let FrictionCone { mu, normal, tangents } = FrictionCone::of(problem, mu[i], &free, i);
-        let rough = tangents.into_iter().filter(move |_| mu > 0.0);
-        rough.flat_map(|t| [t.iter().map(|t| -t).collect(), t]).chain([normal])
+        let frictional = tangents.into_iter().filter(move |_| mu > 0.0);
+        frictional.flat_map(|t| [t.iter().map(|t| -t).collect(), t]).chain([normal])
     });
     FiniteCone::new(load.len(), forces).outside(&load, size).is_none()
 }

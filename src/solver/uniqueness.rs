@@ -209,8 +209,8 @@ pub(crate) fn neutral_motions(
     let presses = |i: &usize| statuses[*i] != ContactStatus::Open && state.p_n[*i] > ROUNDING * largest;
     let closed = || (0..problem.contacts()).filter(presses);
     let normal = closed().map(|i| problem.c_n().row(i));
-    let rough = closed().filter(|&i| increment.mu[i] > 0.0);
-    let tangential = rough.flat_map(|i| problem.tangential_maps().map(|map| map.row(i)));
+    let frictional = closed().filter(|&i| increment.mu[i] > 0.0);
+    let tangential = frictional.flat_map(|i| problem.tangential_maps().map(|map| map.row(i)));
     let open = motions.unfelt(normal.chain(tangential).map(|row| motions.felt(row)));
     let free: Vec<usize> = (0..problem.contacts()).filter(|i| !presses(i)).collect();
     open.into_iter().map(|weights| neutral_motion(problem, increment, state, &free, weights)).collect()
@@ -231,8 +231,8 @@ fn neutral_motion(
     for &i in free {
         let distance = (increment.gap[i] - problem.c_n().dot(i, &state.u)).max(0.0);
         let approach = problem.c_n().dot(i, &u);
-        let way = &mut room[usize::from(approach < 0.0)];
-        *way = way.min(distance / approach.abs());
+        let limit = &mut room[usize::from(approach < 0.0)];
+        *limit = limit.min(distance / approach.abs());
     }
     NeutralMotion { weights, room }
 }

@@ -54,7 +54,7 @@ struct Answer {
     /// What there is to say.
     lines: Vec<String>,
     /// Whether everything came out as it should.
-    sound: bool,
+    has_passed: bool,
 }
 
 pub(crate) fn main() -> ExitCode {
@@ -73,7 +73,7 @@ pub(crate) fn main() -> ExitCode {
         Study::Told(args) => told::told(args),
         Study::Warnings(args) => warnings::warnings(args),
     };
-    match answer.and_then(|answer| print(&answer.lines).map(|()| answer.sound)) {
+    match answer.and_then(|answer| print(&answer.lines).map(|()| answer.has_passed)) {
         Ok(true) => ExitCode::SUCCESS,
         Ok(false) => ExitCode::from(1),
         Err(report) => {

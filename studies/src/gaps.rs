@@ -79,7 +79,7 @@ pub struct Found {
 
 /// The statements of a run.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Told {
+pub struct Statements {
     /// Its force and its pressure.
     pub found: Found,
     /// The error of the mesh of the peak, as a share.
@@ -217,8 +217,8 @@ impl Case {
                 Shape::Space => body
                     .support(&at("front"), &[Axis::Y])
                     .support(&at("bottom"), &[Axis::Z])
-                    .held(Support::normal(&at("back")))
-                    .held(Support::normal(&at("top"))),
+                    .with_support(Support::normal(&at("back")))
+                    .with_support(Support::normal(&at("top"))),
                 _ => body.support(&at("left"), &[Axis::X]),
             }
         });
@@ -226,14 +226,14 @@ impl Case {
             return body;
         }
         let down = Support::new("second:top", &[Axis::Y]).moved(&[-APPROACH]);
-        body.support("first:bottom", &[Axis::Y]).held(down)
+        body.support("first:bottom", &[Axis::Y]).with_support(down)
     }
 
     /// Solves the case.
     ///
     /// # Errors
     /// When its model cannot be built, or does not converge.
-    pub fn run(&self) -> Result<Told, Failure> {
+    pub fn run(&self) -> Result<Statements, Failure> {
         let model = Model::build(&self.description(Slave::First))?;
         let report: RunReport =
             Run::of(&model, model.times().to_vec(), SolverChoice::new(Method::BN))?.solve(&mut ())?;
@@ -248,6 +248,6 @@ impl Case {
         let automatic = Model::build(&self.description(Slave::Automatic))?;
         let choice = automatic.pairs[0].choice.map_or(0, |choice| choice.slave);
         let automatic = if choice == 0 { self.slave } else { 1 - self.slave };
-        Ok(Told { found: Found { force, peak }, peak: error, kinds, automatic })
+        Ok(Statements { found: Found { force, peak }, peak: error, kinds, automatic })
     }
 }

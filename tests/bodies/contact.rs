@@ -1,6 +1,7 @@
 //! Contact of bodies with obstacles and with each other, what holds them, and what moves them.
 
 mod axisymmetric_contact;
+mod between_nodes;
 mod concave;
 mod couplings;
 mod friction;
@@ -15,4 +16,3 @@ mod slip;
 pub mod surfaces;
 mod turning;
 mod two_bodies;
-mod unseen;

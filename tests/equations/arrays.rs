@@ -30,7 +30,7 @@ fn run(loading: &Loading, times: &[f64], change: impl FnOnce(&mut HistorySetting
 #[test]
 #[allow(clippy::too_many_lines)] // A list.
 fn every_error_names_its_array() {
-    fn told<T, E: ToString>(result: Result<T, E>) -> Result<(), String> {
+    fn message<T, E: ToString>(result: Result<T, E>) -> Result<(), String> {
         result.map(|_| ()).map_err(|error| error.to_string())
     }
     const NAN: f64 = f64::NAN;
@@ -38,28 +38,28 @@ fn every_error_names_its_array() {
     let made = |change: &dyn Fn(&mut Parts)| {
         let mut parts = parts();
         change(&mut parts);
-        told(ContactProblem::new(parts))
+        message(ContactProblem::new(parts))
     };
-    let matrix = |result: Result<Csc, MatrixError>| told(result);
-    let symmetric = |entries: &[(usize, usize, f64)]| told(Symmetric::from_triplets(2, entries));
+    let matrix = |result: Result<Csc, MatrixError>| message(result);
+    let symmetric = |entries: &[(usize, usize, f64)]| message(Symmetric::from_triplets(2, entries));
     let rows = |columns: usize, row: [(usize, f64); 1]| Csr::from_rows(columns, [row]);
     let good = loading(vec![1.0, 1.0], vec![0.0]);
-    let ran = |loading: &Loading, times: &[f64]| told(run(loading, times, |_| ()));
+    let ran = |loading: &Loading, times: &[f64]| message(run(loading, times, |_| ()));
     let with_friction = |mu: f64| {
         let history = FrictionHistory::new(1, vec![(vec![mu], vec![[0.0, 0.5], [1.0, 1.0]])]).unwrap();
         good.clone().with_friction(Some(history)).unwrap()
     };
-    let set = |change: &dyn Fn(&mut HistorySettings)| told(run(&good, &[1.0], change));
-    let case = |force: Vec<f64>, history: Vec<[f64; 2]>| told(LoadCase::new(force, history));
+    let set = |change: &dyn Fn(&mut HistorySettings)| message(run(&good, &[1.0], change));
+    let case = |force: Vec<f64>, history: Vec<[f64; 2]>| message(LoadCase::new(force, history));
     let (problem, state) = (problem(), State::zero(&problem()));
     let judged = |force: &[f64], gap: &[f64], w_t_last: &[f64], state: &State| {
         let increment = Increment { force, gap, mu: problem.mu(), w_t_last, w_o_last: &[0.0] };
         let scales = KktScales::default();
-        let measured = told(KktErrors::measure(&problem, &increment, state, &scales));
-        let found = told(statuses(&problem, &increment, state));
+        let measured = message(KktErrors::measure(&problem, &increment, state, &scales));
+        let found = message(statuses(&problem, &increment, state));
         assert_eq!(measured, found);
         let critical = critical_friction(&problem, &increment, state, Scaling::SI, &mut RefinedSolver::default());
-        assert_eq!(told(critical), measured);
+        assert_eq!(message(critical), measured);
         measured
     };
     let longer = |change: &dyn Fn(&mut State)| {
@@ -68,7 +68,7 @@ fn every_error_names_its_array() {
         state
     };
     let motion = |nodes, gap: Vec<f64>, drift: Vec<[f64; 2]>, history: Vec<[f64; 2]>| {
-        told(Motion::new(nodes, gap, drift, history))
+        message(Motion::new(nodes, gap, drift, history))
     };
     // Each block of two is definite.
     let three = [(0, 0, 1.0), (1, 1, 1.0), (2, 2, 1.0), (1, 0, 0.9), (2, 0, -0.9), (2, 1, 0.9)];
@@ -90,8 +90,8 @@ fn every_error_names_its_array() {
         (matrix(Csc::from_parts(2, &[0, 1, 2], &[0, 1], &[1.0])), "values of the matrix: expected 2 entries, got 1"),
         (symmetric(&[(0, 1, 1.0), (1, 0, 2.0)]), "not symmetric: (1, 0) is 2e0 and (0, 1) is 1e0"),
         (symmetric(&[(0, 2, 1.0)]), "column 2"),
-        (told(rows(2, [(2, 1.0)])), "column 2 of a matrix with 2 columns"),
-        (told(rows(2, [(1, f64::INFINITY)])), "(0, 1) is inf"),
+        (message(rows(2, [(2, 1.0)])), "column 2 of a matrix with 2 columns"),
+        (message(rows(2, [(1, f64::INFINITY)])), "(0, 1) is inf"),
         // Problems (N4, N5).
         (made(&|p| p.c_n = Csr::from_rows(2, [ONE, ONE]).unwrap()), "c_t has 1 rows, but must have 2"),
         (made(&|p| p.c_t = rows(3, ONE).unwrap()), "c_t has 3 columns, but must have 2"),
@@ -120,14 +120,14 @@ fn every_error_names_its_array() {
         (case(vec![NAN], still()), "force[0] is NaN"),
         (case(vec![1.0], vec![[1.0, 1.0], [0.0, 0.0]]), "history[1] goes from 1 to 0"),
         (case(vec![1.0], vec![[0.0, f64::INFINITY]]), "history[0][1] is inf"),
-        (told(Loading::new(Vec::new(), vec![NAN])), "gap[0] is NaN"),
+        (message(Loading::new(Vec::new(), vec![NAN])), "gap[0] is NaN"),
         (motion(0..2, vec![1.0], vec![[0.0; 2]; 2], still()), "gap has 1 entries, but must have 2"),
         (motion(0..1, vec![1.0], Vec::new(), still()), "drift has 0 entries, but must have 1"),
         (motion(0..1, vec![1.0], vec![[0.0, NAN]], still()), "drift[0][1] is NaN"),
-        (told(GapCorrection::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2])), "times[1]"),
-        (told(GapCorrection::new(0..1, vec![0.0], vec![vec![]])), "gap[0] has 0 entries"),
+        (message(GapCorrection::new(0..1, vec![0.0, 0.0], vec![vec![0.0]; 2])), "times[1]"),
+        (message(GapCorrection::new(0..1, vec![0.0], vec![vec![]])), "gap[0] has 0 entries"),
         (
-            told(
+            message(
                 good.clone().with_motions(
                     vec![Motion::new(0..3, vec![0.0; 3], vec![[0.0; 2]; 3], still()).unwrap()],
                     Vec::new(),
@@ -154,7 +154,7 @@ fn every_error_names_its_array() {
         (set(&|s| s.scaling.force = 0.0), "scaling.force is 0"),
         (set(&|s| s.scaling.length = NAN), "scaling.length is NaN"),
         (set(&|s| s.method = previous(NAN)), "start.far is NaN"),
-        (told(good.force_at(1.0, &other)), "force of a load has 2 entries"),
+        (message(good.force_at(1.0, &other)), "force of a load has 2 entries"),
         (set(&|s| s.conventions.r_n.clear()), "r_n has 0 entries, but must have 1"),
         (set(&|s| s.contact_stiffness.push(1.0)), "contact_stiffness has 2 entries, but must have 1"),
         // The judge.

@@ -240,7 +240,7 @@ fn thickened(problem: &ContactProblem, loading: &Loading) -> (ContactProblem, Lo
     let cases = loading.cases().iter();
     let cases = cases.map(|case| LoadCase::new(padded(case.force()), case.history().to_vec()).unwrap()).collect();
     let moving = Loading::new(cases, loading.gap().to_vec()).unwrap();
-    let loading = moving.with_motions(loading.motions().to_vec(), loading.bends().to_vec()).unwrap();
+    let loading = moving.with_motions(loading.motions().to_vec(), loading.gap_corrections().to_vec()).unwrap();
     (thick, loading)
 }
 

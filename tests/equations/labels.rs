@@ -14,8 +14,8 @@ fn read(path: &str) -> String {
 /// The number of a label that `text` begins with, and what follows.
 fn label(text: &str) -> Option<(u32, &str)> {
     let (number, rest) = text.strip_prefix('(')?.split_once(')')?;
-    let sound = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
-    Some((number.parse().ok().filter(|_| sound)?, rest))
+    let is_valid = number.len() <= 2 && number.bytes().all(|c| c.is_ascii_digit());
+    Some((number.parse().ok().filter(|_| is_valid)?, rest))
 }
 
 /// The numbers of equations in `text`: `(12)`, and all of `(29)–(31)`.

@@ -251,8 +251,9 @@ fn a_long_face_under_a_small_roller() {
     assert_eq!(report.status, Status::Converged);
     assert_eq!(report.working_set, Some(WorkingSet { first, last: first, all: 701, grown: 0 }));
     let out_of_reach = |left_out: &&EliminatedUnknown| left_out.reason.contains("out of reach");
-    let told: Vec<_> = report.left_out.iter().filter(out_of_reach).map(|told| (told.count, told.unknown)).collect();
-    assert_eq!(told, [(701 - first, "p_n"), (701 - first, "p_t")]);
+    let left_out: Vec<_> =
+        report.left_out.iter().filter(out_of_reach).map(|nodes| (nodes.count, nodes.unknown)).collect();
+    assert_eq!(left_out, [(701 - first, "p_n"), (701 - first, "p_t")]);
     let mut expected = Recording::all();
     let other = Run::new(&whole).unwrap();
     assert_eq!(other.working_set(), None);

@@ -260,9 +260,9 @@ pub fn compute(
     let meshes = each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let progress = Mutex::new(progress);
-    let tell = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
+    let progress = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
     let studies = parallel_map(&meshes, plan.jobs, |mesh| {
-        tell(format!("{mesh}, reference with {reference} increments"));
+        progress(format!("{mesh}, reference with {reference} increments"));
         Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
     })?;
     let units = studies.last().map_or(scene.description.system(3), |study| study.model.units());
@@ -271,7 +271,7 @@ pub fn compute(
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
     let mut runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
-        tell(format!("{}, {path}, {increments} increments", study.result.mesh));
+        progress(format!("{}, {path}, {increments} increments", study.result.mesh));
         study.run(path, increments, cells)
     })?;
     let mut results: Vec<MeshResult> = studies.into_iter().map(|study| study.result).collect();
@@ -282,9 +282,9 @@ pub fn compute(
     if let Some((finest, coarser)) = results.split_last_mut() {
         let interior = coarser.first().map(|coarsest| coarsest.end.tractions.interior());
         for result in coarser {
-            let sound = result.status == Status::Converged && finest.status == Status::Converged;
+            let both = result.status == Status::Converged && finest.status == Status::Converged;
             result.errors =
-                interior.as_ref().filter(|_| sound).map(|interior| MeshErrors::new(&result.end, &finest.end, interior));
+                interior.as_ref().filter(|_| both).map(|interior| MeshErrors::new(&result.end, &finest.end, interior));
         }
     }
     let tolerance = scene.solver.tolerance;

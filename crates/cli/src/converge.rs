@@ -5,11 +5,11 @@
 //! error of the last run.
 
 mod extrapolation;
+mod format;
 mod ladder;
 mod picture;
 mod quantity;
 mod steps;
-mod told;
 
 use std::time::Instant;
 
@@ -25,7 +25,7 @@ use stickslip::solver::history::{Observer, Status};
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use quantity::Sought;
-pub use steps::{Ended, Errors, Limits, Step};
+pub use steps::{Errors, Limits, Step, StudyResult};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +74,7 @@ pub struct Convergence {
     /// The number of increments of the scene.
     pub own_increments: usize,
     /// The steps of the study and its end.
-    pub ended: Ended,
+    pub result: StudyResult,
     /// The report of the last run.
     pub last: RunReport,
 }
@@ -132,13 +132,13 @@ pub fn compute(
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
     let sought = plan.sought.at(&scene.description).map_err(ConvergeError::Quantity)?;
     let mut last = None;
-    let ended = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
+    let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
         let (run, report) = solve(scene, &sought, (&ladder, mesh, increments), steps, progress, observer)?;
         last = Some(report);
         Ok(run)
     })?;
     let last = last.ok_or(ConvergeError::NoFinerMesh)?;
-    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, ended, last })
+    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last })
 }
 
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
@@ -178,13 +178,13 @@ fn solve(
         _ => Some((Verdict::NotConverged, reason)),
     };
     // Serialising never fails with these types.
-    let told = serde_json::to_value(&report).unwrap_or_default();
-    let value = sought.value(&told);
+    let json = serde_json::to_value(&report).unwrap_or_default();
+    let value = sought.value(&json);
     let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
-        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&told) });
+        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&json) });
     }
     let solved = Step {
         level: mesh,

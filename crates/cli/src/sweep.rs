@@ -24,5 +24,5 @@ mod table;
 mod variation;
 
 pub use outcome::VariantResult;
-pub use table::{Row, Shown, Sweep};
+pub use table::{Row, Sweep, TableQuantities};
 pub use variation::{MAX_VARIANTS, Variant, Variation, combinations};

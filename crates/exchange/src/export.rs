@@ -46,8 +46,8 @@ pub fn export(
     let of_contact = |i: usize| [gap[i], 0.0 - w_t_last[i], 0.0 - w_o_last[i]].into_iter().take(dimension);
     let w = (0..n_c).flat_map(of_contact).collect();
     let parts = Parts { dimension, m, h, f: force.to_vec(), w, mu: mu.to_vec(), constraints: 0 };
-    let told = |state: &State| solution(problem, dimension, increment, state).map_err(refused);
-    let (solution, guesses) = (Some(told(state)?), vec![told(before)?]);
+    let solution_of = |state: &State| solution(problem, dimension, increment, state).map_err(refused);
+    let (solution, guesses) = (Some(solution_of(state)?), vec![solution_of(before)?]);
     Ok(ProblemFile { info, problem: Problem::Global(GlobalProblem::new(parts)?), solution, guesses })
 }
 
@@ -75,8 +75,8 @@ pub fn export_local(file: ProblemFile) -> Result<ProblemFile, ReductionError> {
         Problem::Local(_) => return Ok(file),
         Problem::Global(problem) => Reduction::new(problem)?.local().clone(),
     };
-    let told = |Solution { r, u, .. }: Solution| Solution { v: Vec::new(), r, u };
-    let guesses = file.guesses.into_iter().map(told).collect();
-    let (info, solution) = (file.info, file.solution.map(told));
+    let without_v = |Solution { r, u, .. }: Solution| Solution { v: Vec::new(), r, u };
+    let guesses = file.guesses.into_iter().map(without_v).collect();
+    let (info, solution) = (file.info, file.solution.map(without_v));
     Ok(ProblemFile { info, problem: Problem::Local(local), solution, guesses })
 }

@@ -34,8 +34,8 @@ const IEEE: &str = "floating-point numbers of IEEE 754 in 4 or 8 bytes";
 /// Returns the position of the superblock of a file: at its start, or after a user block, whose length is 512 bytes
 /// times a power of two.
 fn superblock(bytes: &[u8]) -> Option<usize> {
-    let places = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
-    places.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
+    let offsets = std::iter::once(0).chain((9..usize::BITS).map(|power| 1 << power));
+    offsets.take_while(|place| *place < bytes.len()).find(|place| bytes[*place..].starts_with(SIGNATURE))
 }
 
 /// Returns `true` if these are the `bytes` of an HDF5 file.
@@ -78,7 +78,7 @@ pub(super) struct File {
     content: Hdf5File,
     length: usize,
     /// The bytes of memory requested so far.
-    taken: Cell<u64>,
+    requested: Cell<u64>,
 }
 
 impl File {
@@ -88,7 +88,7 @@ impl File {
             let what = "the file is shorter than it says, as where a transfer was cut off";
             return Err(Hdf5Error::Damaged { what: what.to_string() });
         }
-        Ok(File { content: Hdf5File::from_bytes(bytes)?, length: bytes.len(), taken: Cell::new(0) })
+        Ok(File { content: Hdf5File::from_bytes(bytes)?, length: bytes.len(), requested: Cell::new(0) })
     }
 
     /// Returns the length of the file, bytes.
@@ -98,8 +98,8 @@ impl File {
 
     /// Adds `bytes` to the memory in use. Returns an error if there is not enough memory for the total.
     pub(super) fn take_room(&self, bytes: u64) -> Result<(), Hdf5Error> {
-        let needed = self.taken.get().saturating_add(bytes);
-        self.taken.set(needed);
+        let needed = self.requested.get().saturating_add(bytes);
+        self.requested.set(needed);
         expect_room(needed, self.length)
     }
 

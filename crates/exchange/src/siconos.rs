@@ -111,6 +111,6 @@ fn dense(words: &mut Words<'_>, rows: usize, columns: usize) -> Result<Vec<(usiz
             .fault(&format!("the matrix is {} × {} here, and {rows} × {columns} above", again[0], again[1]), SIZES));
     }
     let values = words.numbers("the entries of a matrix", rows.saturating_mul(columns))?;
-    let place = |(k, value): (usize, f64)| (k % rows, k / rows, value);
-    Ok(values.into_iter().enumerate().map(place).filter(|entry| entry.2 != 0.0).collect())
+    let entry = |(k, value): (usize, f64)| (k % rows, k / rows, value);
+    Ok(values.into_iter().enumerate().map(entry).filter(|entry| entry.2 != 0.0).collect())
 }

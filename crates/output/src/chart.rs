@@ -76,7 +76,7 @@ const COLOURS: [Colour; 7] =
 const MARKERS: [Marker; 4] = [Marker::Disc, Marker::Square, Marker::Triangle, Marker::Circle];
 
 /// Returns a colour and a marker for curve `k` of many. The first 28 combinations are different.
-pub fn told_apart(k: usize) -> ([u8; 3], Marker) {
+pub fn curve_style(k: usize) -> ([u8; 3], Marker) {
     (COLOURS[k % COLOURS.len()], MARKERS[k % MARKERS.len()])
 }
 
@@ -210,7 +210,7 @@ impl Chart {
         }
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         svg.line(&corners, THIN, BLACK);
-        let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.place(a)?)), up(y.share(scale.place(b)?))]);
+        let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.map(a)?)), up(y.share(scale.map(b)?))]);
         for curve in panel.curves.iter().rev() {
             let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
             curve.draw(svg, &points);

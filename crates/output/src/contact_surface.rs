@@ -36,7 +36,7 @@ pub struct ContactSurface {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceNode {
     /// The coordinates of the node along the two axes of the map, m.
-    pub place: [f64; 2],
+    pub position: [f64; 2],
     /// Normal contact stress (32), Pa.
     pub pressure: f64,
     /// Tangential contact stress of the body on the obstacle along the axes, Pa.
@@ -68,8 +68,8 @@ impl ContactSurface {
         for &node in facets.iter().flatten() {
             number[node].get_or_insert_with(|| {
                 let x = mesh.nodes[node];
-                let place = cylinder.as_ref().map_or_else(|| flat(x), |cylinder| cylinder.place(cylinder.angle(x), x));
-                nodes.push(SurfaceNode { place, pressure: 0.0, traction: [0.0; 2], status: None, held: false });
+                let position = cylinder.as_ref().map_or_else(|| flat(x), |cylinder| cylinder.at(cylinder.angle(x), x));
+                nodes.push(SurfaceNode { position, pressure: 0.0, traction: [0.0; 2], status: None, held: false });
                 nodes.len() - 1
             });
         }
@@ -130,12 +130,12 @@ fn cylinder(model: &Model, facets: &[Facet]) -> Option<Cylinder> {
 fn close(facets: &mut [Vec<usize>], nodes: &mut Vec<SurfaceNode>, half: f64) {
     let mut copies = BTreeMap::new();
     for facet in facets {
-        let right = facet.iter().map(|&node| nodes[node].place[0]).fold(f64::NEG_INFINITY, f64::max);
+        let right = facet.iter().map(|&node| nodes[node].position[0]).fold(f64::NEG_INFINITY, f64::max);
         for node in facet {
-            if right - nodes[*node].place[0] > half {
+            if right - nodes[*node].position[0] > half {
                 *node = *copies.entry(*node).or_insert_with(|| {
-                    let [x, y] = nodes[*node].place;
-                    nodes.push(SurfaceNode { place: [x + 2.0 * half, y], ..nodes[*node] });
+                    let [x, y] = nodes[*node].position;
+                    nodes.push(SurfaceNode { position: [x + 2.0 * half, y], ..nodes[*node] });
                     nodes.len() - 1
                 });
             }

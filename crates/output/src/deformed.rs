@@ -89,7 +89,7 @@ impl DeformedBody {
                 continue;
             }
             let depth = corners.iter().map(|x| dot(*x, view.towards)).sum::<f64>() / corners.len() as f64;
-            patches.push((depth, corners.iter().map(|x| view.place(*x)).collect(), stresses[e]));
+            patches.push((depth, corners.iter().map(|x| view.project(*x)).collect(), stresses[e]));
         }
         if mesh.dimension == 3 {
             patches.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -103,8 +103,8 @@ impl DeformedBody {
         } else {
             edges(surface.iter().map(|(facet, _)| mesh.points(facet)), view.towards)
         };
-        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.place(end));
-        let axis = |c: usize| view.place(stickslip::algebra::axis(c));
+        let ends = |side: &[[f64; 3]; 2]| side.map(|end| view.project(end));
+        let axis = |c: usize| view.project(stickslip::algebra::axis(c));
         DeformedBody {
             index: step.record.index,
             time: step.record.time,
@@ -146,28 +146,28 @@ impl DeformedBody {
         let largest = self.units.rounded(Quantity::Length, self.largest, 4);
         let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", six_digits(self.time));
         svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
-        let told = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
+        let patch = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
             (corners.iter().map(|x| at(*x)).collect::<Vec<_>>(), units.of_si(Quantity::Stress, *stress))
         };
-        let patches: Vec<_> = self.patches.iter().map(told).collect();
-        let seen = match self.axes.len() {
+        let patches: Vec<_> = self.patches.iter().map(patch).collect();
+        let visibilities = match self.axes.len() {
             3 => {
                 let corners: Vec<&[[f64; 2]]> = patches.iter().map(|(corners, _)| corners.as_slice()).collect();
                 visibility(&corners, [WIDTH, floor])
             }
             _ => vec![Visibility::Alone; patches.len()],
         };
-        let seen = patches.into_iter().zip(seen).filter(|(_, seen)| *seen != Visibility::Hidden);
-        let seen: Vec<Patch> = seen.map(|((corners, stress), seen)| Patch { corners, stress, seen }).collect();
-        let most = seen.iter().map(|patch| patch.stress).fold(0.0, f64::max);
+        let visible = patches.into_iter().zip(visibilities).filter(|(_, seen)| *seen != Visibility::Hidden);
+        let visible: Vec<Patch> = visible.map(|((corners, stress), seen)| Patch { corners, stress, seen }).collect();
+        let most = visible.iter().map(|patch| patch.stress).fold(0.0, f64::max);
         let bands = Bands::up_to(most);
-        draw_patches(&mut svg, &seen, &bands);
+        draw_patches(&mut svg, &visible, &bands);
         svg.segments(self.outline.iter().map(|side| side.map(at)), DASHED, BEFORE);
         svg.line(&[[0.5 * WIDTH - 80.0, 76.0], [0.5 * WIDTH - 44.0, 76.0]], DASHED, BEFORE);
         svg.text([0.5 * WIDTH - 36.0, 76.0], "before the deformation", LABEL_SIZE, Anchor::Start);
         let text = |stress: f64| units.rounded(Quantity::Stress, units.to_si(Quantity::Stress, stress), 4);
-        if let Some(k) = first_largest(seen.iter().map(|patch| patch.stress)) {
-            svg.mark(centre(&seen[k].corners), &text(most), NUMBER_SIZE, 0.5 * (LEFT + WIDTH - RIGHT));
+        if let Some(k) = first_largest(visible.iter().map(|patch| patch.stress)) {
+            svg.mark(centre(&visible[k].corners), &text(most), NUMBER_SIZE, 0.5 * (LEFT + WIDTH - RIGHT));
         }
         let label = format!("von Mises, {}", units.name(Quantity::Stress));
         bands.draw_bar(&mut svg, WIDTH - RIGHT + 30.0, [TOP, floor], &label);
@@ -202,9 +202,9 @@ fn draw_patches(svg: &mut Svg, patches: &[Patch], bands: &Bands) {
         let own = patches.iter().filter(move |patch| patch.seen == of);
         MeshLines::of(own.map(|patch| patch.corners.as_slice()))
     };
-    let alone = patches.iter().filter(|patch| patch.seen == Visibility::Alone);
-    let alone: Vec<_> = alone.map(|patch| (bands.of(patch.stress), patch.corners.clone())).collect();
-    bands.fill(svg, &alone);
+    let single = patches.iter().filter(|patch| patch.seen == Visibility::Alone);
+    let single: Vec<_> = single.map(|patch| (bands.of(patch.stress), patch.corners.clone())).collect();
+    bands.fill(svg, &single);
     lines(Visibility::Alone).draw(svg);
     let layered = lines(Visibility::Layered);
     for patch in patches.iter().filter(|patch| patch.seen == Visibility::Layered) {
@@ -236,7 +236,7 @@ impl View {
         View { right, up: cross(towards, right), towards }
     }
 
-    fn place(&self, x: [f64; 3]) -> [f64; 2] {
+    fn project(&self, x: [f64; 3]) -> [f64; 2] {
         [dot(x, self.right), dot(x, self.up)]
     }
 }
@@ -273,8 +273,8 @@ fn edges(facets: impl Iterator<Item = Vec<[f64; 3]>>, towards: [f64; 3]) -> Vec<
             joints.entry(key).or_insert(Joint { ends, normals: Vec::new() }).normals.push(outward);
         }
     }
-    let seen = |joint: &Joint| joint.normals.iter().any(|normal| dot(*normal, towards) > 0.0);
-    joints.into_values().filter(|joint| joint.is_edge() && seen(joint)).map(|joint| joint.ends).collect()
+    let is_visible = |joint: &Joint| joint.normals.iter().any(|normal| dot(*normal, towards) > 0.0);
+    joints.into_values().filter(|joint| joint.is_edge() && is_visible(joint)).map(|joint| joint.ends).collect()
 }
 
 /// Returns the largest 1, 2 or 5 times a power of ten up to `most`, at least 1. Returns 1 for a body that has not
@@ -303,7 +303,7 @@ mod tests {
     #[test]
     fn a_body_in_space_stands_upright() {
         let view = View::of(3);
-        let [x, y, z] = [0, 1, 2].map(|c| view.place(stickslip::algebra::axis(c)));
+        let [x, y, z] = [0, 1, 2].map(|c| view.project(stickslip::algebra::axis(c)));
         assert!(x[0] > 0.5 && y[0] > 0.0 && z[0].abs() < 1e-15 && z[1] > 0.5 && y[1] > 0.0);
         assert!((dot(cross(view.right, view.up), view.towards) - 1.0).abs() < 1e-15);
     }

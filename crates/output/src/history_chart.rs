@@ -35,11 +35,11 @@ fn few(report: &RunReport, marker: Marker) -> Option<Marker> {
 /// Plots the force of the body on the obstacle in front of each boundary, from the undeformed body on.
 fn forces(report: &RunReport) -> Chart {
     let boundaries = &report.curves.boundaries;
-    let told = |[time, force]: [f64; 2]| [time, report.units.of_si(Quantity::Force, force)];
+    let in_units = |[time, force]: [f64; 2]| [time, report.units.of_si(Quantity::Force, force)];
     let panel = |of: &ForceCurves| {
         let curve = |((label, colour, dash), component): ((&str, [u8; 3], Dash), &Thinned)| Curve {
             label: label.to_string(),
-            points: [[0.0, 0.0]].into_iter().chain(component.points().into_iter().map(told)).collect(),
+            points: [[0.0, 0.0]].into_iter().chain(component.points().into_iter().map(in_units)).collect(),
             line: Some(Line { dash, width: 1.8 }),
             marker: few(report, Marker::Disc),
             colour,

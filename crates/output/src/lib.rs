@@ -29,7 +29,7 @@ mod view;
 mod visible;
 mod vtu;
 
-pub use chart::{Axis, Chart, Curve, Note, Panel, Scale, told_apart};
+pub use chart::{Axis, Chart, Curve, Note, Panel, Scale, curve_style};
 pub use contact_surface::{ContactSurface, SurfaceNode};
 pub use deformed::DeformedBody;
 pub use disk::bytes_on_disk;

@@ -61,7 +61,7 @@ impl ContactSurface {
         let units = self.units.of_pictures();
         let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| move |x| units.of_si(quantity, x));
         let node = |node: &SurfaceNode| SurfaceNode {
-            place: node.place.map(length),
+            position: node.position.map(length),
             pressure: stress(node.pressure),
             traction: node.traction.map(stress),
             ..*node
@@ -76,7 +76,7 @@ impl ContactSurface {
         self.parts().flat_map(move |part| {
             let (n, centre) = (part.len(), self.centre(&part));
             (0..n).map(move |k| {
-                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[part[k % n]].place);
+                let [here, next, last] = [k, k + 1, k + n - 1].map(|k| self.nodes[part[k % n]].position);
                 (&self.nodes[part[k]], [here, middle(here, next), centre, middle(here, last)])
             })
         })
@@ -99,11 +99,11 @@ impl ContactSurface {
             }
         }
         let once = facets.into_iter().filter(|(_, facets)| *facets == 1);
-        once.map(|(side, _)| side.map(|node| self.nodes[node].place))
+        once.map(|(side, _)| side.map(|node| self.nodes[node].position))
     }
 
     fn centre(&self, facet: &[usize]) -> [f64; 2] {
-        [0, 1].map(|c| facet.iter().map(|&node| self.nodes[node].place[c]).sum::<f64>() / facet.len() as f64)
+        [0, 1].map(|c| facet.iter().map(|&node| self.nodes[node].position[c]).sum::<f64>() / facet.len() as f64)
     }
 
     fn draw_patches(&self, svg: &mut Svg, view: &View) {
@@ -124,7 +124,7 @@ impl ContactSurface {
         let pressed = patches.iter().filter(|(node, _)| node.pressure > 0.0);
         let pressed: Vec<_> = pressed.map(|(node, corners)| (view.bands.of(node.pressure), placed(corners))).collect();
         view.bands.fill(svg, &pressed);
-        let facets = self.facets.iter().map(|facet| facet.iter().map(|&node| self.nodes[node].place).collect());
+        let facets = self.facets.iter().map(|facet| facet.iter().map(|&node| self.nodes[node].position).collect());
         let facets: Vec<Vec<[f64; 2]>> = facets.filter(|facet: &Vec<_>| view.shows(facet)).collect();
         let facets: Vec<Vec<[f64; 2]>> =
             facets.iter().map(|facet| facet.iter().map(|corner| view.at(*corner)).collect()).collect();
@@ -143,7 +143,7 @@ impl ContactSurface {
             let centre = self.centre(&part);
             for k in 0..n {
                 let (a, b) = (node(k), node(k + 1));
-                let line = [middle(a.place, b.place), centre];
+                let line = [middle(a.position, b.position), centre];
                 // Without friction, stick and slip are equivalent.
                 let differ = if view.friction() { a.status != b.status } else { closed(a) != closed(b) };
                 if differ && view.shows(&line) {
@@ -160,7 +160,7 @@ impl ContactSurface {
     fn mark_largest(&self, svg: &mut Svg, view: &View) {
         if let Some(node) = first_largest(self.nodes.iter().map(|node| node.pressure)).map(|k| &self.nodes[k]) {
             let text = self.units.rounded(Quantity::Stress, self.units.to_si(Quantity::Stress, node.pressure), 4);
-            svg.mark(view.at(node.place), &text, NUMBER_SIZE, view.at(view.middle())[0]);
+            svg.mark(view.at(node.position), &text, NUMBER_SIZE, view.at(view.middle())[0]);
         }
     }
 
@@ -170,8 +170,8 @@ impl ContactSurface {
             return;
         }
         let mut arrows: Vec<([f64; 2], [f64; 2])> = Vec::new();
-        for node in self.nodes.iter().filter(|node| view.shows(&[node.place])) {
-            let at = view.at(node.place);
+        for node in self.nodes.iter().filter(|node| view.shows(&[node.position])) {
+            let at = view.at(node.position);
             let marker = match node.status {
                 Some(ContactStatus::Stick) => Some(Marker::Disc),
                 Some(ContactStatus::Slip) => Some(Marker::Circle),
@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn nodes_of_a_triangle_of_second_order_have_their_surroundings() {
         let places = [[0.0, 0.0], [3.0, 0.0], [6.0, 0.0], [3.0, 3.0], [0.0, 6.0], [0.0, 3.0]];
-        let node = |place| SurfaceNode { place, pressure: 1e6, traction: [0.0; 2], status: None, held: false };
+        let node = |position| SurfaceNode { position, pressure: 1e6, traction: [0.0; 2], status: None, held: false };
         let surface = ContactSurface {
             boundary: None,
             index: 1,
@@ -241,8 +241,8 @@ mod tests {
         for (node, corners) in surface.patches() {
             let around = corners.iter().zip(corners.iter().cycle().skip(1));
             let area = 0.5 * around.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>();
-            areas[places.iter().position(|place| *place == node.place).unwrap()] += area;
-            assert!(area > 0.0 && corners.iter().all(|corner| (corner[0] - node.place[0]).abs() < 2.5));
+            areas[places.iter().position(|place| *place == node.position).unwrap()] += area;
+            assert!(area > 0.0 && corners.iter().all(|corner| (corner[0] - node.position[0]).abs() < 2.5));
         }
         assert_eq!(areas, [1.5, 4.5, 1.5, 4.5, 1.5, 4.5]);
         assert_eq!(surface.outline().count(), 6);

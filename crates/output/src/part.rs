@@ -21,8 +21,8 @@ impl Grid {
         let mut points: Vec<usize> = cells.iter().flat_map(|&cell| &self.cells[cell].0).copied().collect();
         points.sort_unstable();
         points.dedup();
-        let place = |point: &usize| points.partition_point(|other| other < point);
-        let moved = |(corners, kind): &(Vec<usize>, u8)| (corners.iter().map(place).collect(), *kind);
+        let index = |point: &usize| points.partition_point(|other| other < point);
+        let moved = |(corners, kind): &(Vec<usize>, u8)| (corners.iter().map(index).collect(), *kind);
         Grid {
             units: self.units,
             points: points.iter().map(|&point| self.points[point]).collect(),
@@ -43,18 +43,18 @@ impl Grid {
 
 impl Field {
     /// Returns the values of these points or cells.
-    fn at(&self, places: &[usize]) -> Field {
+    fn at(&self, indices: &[usize]) -> Field {
         let Field { name, components, values } = self;
         let values = match values {
-            Values::Real(values) => Values::Real(taken(values, *components, places)),
-            Values::Whole(values) => Values::Whole(taken(values, *components, places)),
+            Values::Real(values) => Values::Real(values_at(values, *components, indices)),
+            Values::Whole(values) => Values::Whole(values_at(values, *components, indices)),
         };
         Field { name, components: *components, values }
     }
 }
 
-fn taken<T: Copy>(values: &[T], components: usize, places: &[usize]) -> Vec<T> {
-    places.iter().flat_map(|place| &values[place * components..][..components]).copied().collect()
+fn values_at<T: Copy>(values: &[T], components: usize, indices: &[usize]) -> Vec<T> {
+    indices.iter().flat_map(|place| &values[place * components..][..components]).copied().collect()
 }
 
 #[cfg(test)]
@@ -82,13 +82,13 @@ pub(super) mod tests {
     }
 
     /// Returns all data of each cell: corners, values at these, values of the cell, to the last bit.
-    fn told(grid: &Grid) -> Vec<Vec<u64>> {
-        let bits = |fields: &[Field], place: usize| {
+    fn cell_data(grid: &Grid) -> Vec<Vec<u64>> {
+        let bits = |fields: &[Field], index: usize| {
             let of = |Field { components, values, .. }: &Field| match values {
                 Values::Real(values) => {
-                    values[place * components..][..*components].iter().map(|x| x.to_bits()).collect()
+                    values[index * components..][..*components].iter().map(|x| x.to_bits()).collect()
                 }
-                Values::Whole(values) => vec![values[place] as u64],
+                Values::Whole(values) => vec![values[index] as u64],
             };
             fields.iter().flat_map(of).collect::<Vec<u64>>()
         };
@@ -108,8 +108,8 @@ pub(super) mod tests {
         assert_eq!((zero.cells.len(), one.cells.len(), two.cells.len()), (3, 0, 3));
         // Four of the twelve points are on the border.
         assert_eq!((zero.points.len(), one.points.len(), two.points.len()), (8, 0, 8));
-        let mut parts = [told(&zero), told(&two)].concat();
-        let mut whole = told(&grid);
+        let mut parts = [cell_data(&zero), cell_data(&two)].concat();
+        let mut whole = cell_data(&grid);
         parts.sort();
         whole.sort();
         assert_eq!(parts, whole);

@@ -95,10 +95,10 @@ fn shown(points: &[ContactPoint]) -> &[ContactPoint] {
 }
 
 fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<Curve> {
-    let told = |x: f64, y: f64| [units.of_si(Quantity::Length, x), units.of_si(Quantity::Stress, y)];
+    let in_units = |x: f64, y: f64| [units.of_si(Quantity::Length, x), units.of_si(Quantity::Stress, y)];
     let stress = |label: &str, dash, width, colour, ordinate: fn(&ContactPoint) -> f64| Curve {
         label: label.into(),
-        points: points.iter().map(|p| told((along.of)(p), ordinate(p))).collect(),
+        points: points.iter().map(|p| in_units((along.of)(p), ordinate(p))).collect(),
         line: Some(Line { dash, width }),
         marker: None,
         colour,
@@ -106,7 +106,7 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
     let marked = marked(points);
     let nodes = |status, marker| Curve {
         label: String::new(),
-        points: marked.iter().filter(|p| p.status == status).map(|p| told((along.of)(p), p.sigma_t)).collect(),
+        points: marked.iter().filter(|p| p.status == status).map(|p| in_units((along.of)(p), p.sigma_t)).collect(),
         line: None,
         marker: Some(marker),
         colour: TANGENTIAL,
@@ -169,10 +169,10 @@ fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Pane
     let rounding = ROUNDING * points.last().zip(points.first()).map_or(0.0, |(last, first)| last.s - first.s);
     let shown = |value: f64| if value.abs() <= rounding { 0.0 } else { value };
     let (unit, name) = small_lengths(shown(slip.max(top)), units);
-    let told = |[x, y]: [f64; 2]| [units.of_si(Quantity::Length, x), y / unit];
+    let in_units = |[x, y]: [f64; 2]| [units.of_si(Quantity::Length, x), y / unit];
     let curve = |label: &str, dash, colour, points: Vec<[f64; 2]>| Curve {
         label: label.into(),
-        points: points.into_iter().map(told).collect(),
+        points: points.into_iter().map(in_units).collect(),
         line: Some(Line { dash, width: 1.8 }),
         marker: None,
         colour,

@@ -123,13 +123,13 @@ impl Svg {
 
     /// Draws a line through points.
     pub(super) fn line(&mut self, points: &[[f64; 2]], line: Line, colour: Colour) {
-        let (points, style) = (places(points), stroke(line, colour));
+        let (points, style) = (coordinates(points), stroke(line, colour));
         self.put(format_args!("<polyline points=\"{points}\" {style}/>"));
     }
 
     /// Draws a filled polygon.
     pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
-        let (corners, colour) = (places(corners), hex(colour));
+        let (corners, colour) = (coordinates(corners), hex(colour));
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
     }
 
@@ -185,7 +185,7 @@ impl Svg {
         let outline = format!("fill=\"white\" stroke=\"{colour}\" stroke-width=\"{OUTLINE}\"");
         let mut polygon = |corners: &[[f64; 2]]| {
             let corners: Vec<_> = corners.iter().map(|[a, b]| [at[0] + RADIUS * a, at[1] + RADIUS * b]).collect();
-            self.put(format_args!("<polygon points=\"{}\" {outline}/>", places(&corners)));
+            self.put(format_args!("<polygon points=\"{}\" {outline}/>", coordinates(&corners)));
         };
         match marker {
             Marker::Square => polygon(&[[-0.95, -0.95], [0.95, -0.95], [0.95, 0.95], [-0.95, 0.95]]),
@@ -263,9 +263,9 @@ fn tenths(x: f64) -> f64 {
     (10.0 * x).round() / 10.0 + 0.0
 }
 
-fn places(points: &[[f64; 2]]) -> String {
-    let place = |point: &[f64; 2]| point.map(tenths).map(|x| x.to_string()).join(",");
-    points.iter().map(place).collect::<Vec<_>>().join(" ")
+fn coordinates(points: &[[f64; 2]]) -> String {
+    let coordinates = |point: &[f64; 2]| point.map(tenths).map(|x| x.to_string()).join(",");
+    points.iter().map(coordinates).collect::<Vec<_>>().join(" ")
 }
 
 fn hex([red, green, blue]: Colour) -> String {

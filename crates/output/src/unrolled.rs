@@ -80,7 +80,7 @@ impl Cylinder {
     }
 
     /// Returns the position in the plane, m, of a point at this angle (rad).
-    pub(super) fn place(&self, angle: f64, x: [f64; 3]) -> [f64; 2] {
+    pub(super) fn at(&self, angle: f64, x: [f64; 3]) -> [f64; 2] {
         [self.radius * angle, dot(x, self.axis)]
     }
 
@@ -149,7 +149,7 @@ mod tests {
             let [low, high] = [f64::min, f64::max].map(|f| angles.iter().copied().reduce(f).unwrap());
             let open = if to - from < 360.0 { 0.0 } else { 20.0 };
             assert!((high - low).to_degrees() <= to - from - open + 1e-6, "{from} {to}: {low} {high}");
-            assert_eq!(cylinder.place(0.5, [9.0, 7.0, 9.0]), [0.5 * cylinder.radius, 7.0]);
+            assert_eq!(cylinder.at(0.5, [9.0, 7.0, 9.0]), [0.5 * cylinder.radius, 7.0]);
             let along = cylinder.along([3.0, 0.0, 3.0], [0.0, 5.0, -4.0]);
             assert!((along[0].abs() - 4.0).abs() < 1e-9 && along[1] == 5.0, "{along:?}");
         }

@@ -71,10 +71,10 @@ impl View {
         } else {
             mesh.surface().iter().map(|(side, _)| vec![side[0], side[side.len() - 1]]).collect()
         };
-        let mut places: BTreeMap<usize, usize> = patches.iter().flatten().map(|node| (*node, 0)).collect();
-        places.values_mut().enumerate().for_each(|(k, place)| *place = k);
-        let patches = patches.iter().map(|patch| patch.iter().map(|node| places[node]).collect()).collect();
-        let nodes: Vec<usize> = places.into_keys().collect();
+        let mut index_of: BTreeMap<usize, usize> = patches.iter().flatten().map(|node| (*node, 0)).collect();
+        index_of.values_mut().enumerate().for_each(|(k, place)| *place = k);
+        let patches = patches.iter().map(|patch| patch.iter().map(|node| index_of[node]).collect()).collect();
+        let nodes: Vec<usize> = index_of.into_keys().collect();
         // The outline of a body with so many nodes is not worth more bytes.
         (u16::try_from(nodes.len()).is_ok()).then_some(View { units: model.units(), nodes, patches, has_cells })
     }

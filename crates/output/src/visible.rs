@@ -22,13 +22,13 @@ pub(super) fn visibility(polygons: &[&[[f64; 2]]], size: [f64; 2]) -> Vec<Visibi
     for k in 0..polygons.len() {
         samples(k).for_each(|sample| front[sample] = Some(k));
     }
-    let mut seen = vec![false; polygons.len()];
-    front.iter().flatten().for_each(|&k| seen[k] = true);
+    let mut is_visible = vec![false; polygons.len()];
+    front.iter().flatten().for_each(|&k| is_visible[k] = true);
     let mut covers = vec![0_u8; columns * rows];
-    for k in (0..polygons.len()).filter(|&k| seen[k]) {
+    for k in (0..polygons.len()).filter(|&k| is_visible[k]) {
         samples(k).for_each(|sample| covers[sample] = covers[sample].saturating_add(1));
     }
-    let of = |k: usize| match seen[k] {
+    let of = |k: usize| match is_visible[k] {
         false => Visibility::Hidden,
         true if samples(k).all(|sample| covers[sample] == 1) => Visibility::Alone,
         true => Visibility::Layered,

@@ -75,7 +75,7 @@ impl fmt::Display for Grid {
         let (points, cells) = (self.points.len(), self.cells.len());
         writeln!(f, "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">")?;
         f.write_str("<Points>\n")?;
-        array(f, "Points", "Float64", 3, self.points.iter().flatten().map(|x| self.told(Quantity::Length, *x)))?;
+        array(f, "Points", "Float64", 3, self.points.iter().flatten().map(|x| self.bytes_of(Quantity::Length, *x)))?;
         f.write_str("</Points>\n<Cells>\n")?;
         let corners = self.cells.iter().flat_map(|(corners, _)| corners);
         array(f, "connectivity", "Int64", 1, corners.map(|&k| (k as i64).to_le_bytes()))?;
@@ -92,7 +92,7 @@ impl fmt::Display for Grid {
                 let (quantity, kind) = (field_quantity(name), values.kind());
                 match values {
                     Values::Real(values) => {
-                        array(f, name, kind, *components, values.iter().map(|x| self.told(quantity, *x)))?;
+                        array(f, name, kind, *components, values.iter().map(|x| self.bytes_of(quantity, *x)))?;
                     }
                     Values::Whole(values) => {
                         array(f, name, kind, *components, values.iter().map(|x| x.to_le_bytes()))?;
@@ -107,7 +107,7 @@ impl fmt::Display for Grid {
 
 impl Grid {
     /// Returns the bytes of a number given in SI units.
-    fn told(&self, quantity: Quantity, x: f64) -> [u8; 8] {
+    fn bytes_of(&self, quantity: Quantity, x: f64) -> [u8; 8] {
         self.units.of_si(quantity, x).to_le_bytes()
     }
 }

@@ -2,7 +2,7 @@
 
 use stickslip::body::mesh::{MeshFormat, MeshSource};
 
-use super::{changed, told};
+use super::{changed, check_diagnostic};
 use crate::corpus::Corpus;
 use crate::pool::Verdict;
 use crate::random::Random;
@@ -33,7 +33,7 @@ pub(super) fn check_unv(bytes: &[u8]) -> Verdict {
 
 fn check(format: MeshFormat, bytes: &[u8]) -> Verdict {
     match format.parse("fuzz.msh", bytes, 1e-3) {
-        Err(error) => told(&error),
+        Err(error) => check_diagnostic(&error),
         Ok(mesh) => match MeshSource::from(mesh).check() {
             Ok(()) => Ok("read"),
             Err(fault) => Err(format!("what was read is not sound: {fault}")),

@@ -17,10 +17,10 @@ pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
 /// Errors that an outcome tells are numbers, and none is above the largest.
 pub(super) fn check(bytes: &[u8]) -> Verdict {
     let Some(outcome) = VariantResult::read(&String::from_utf8_lossy(bytes), &[]) else { return Ok("refused") };
-    if outcome.told["error"].as_f64().is_some_and(f64::is_nan) {
+    if outcome.values["error"].as_f64().is_some_and(f64::is_nan) {
         return Err("an error that is no number".to_string());
     }
-    let text = outcome.told.to_string();
+    let text = outcome.values.to_string();
     let again: serde_json::Value = serde_json::from_str(&text).map_err(|error| format!("read again: {error}"))?;
     if again["status"] == outcome.status.as_str() { Ok("read") } else { Err(format!("written as {text}")) }
 }

@@ -3,12 +3,12 @@
 use stickslip::run::{RunError, discretise};
 use stickslip::scene::{Override, Scene};
 
-use super::{changed, said, told};
+use super::{changed, check_diagnostic, said};
 use crate::corpus::{Corpus, scenes};
 use crate::mutate::mutated;
 use crate::pool::Verdict;
 use crate::random::Random;
-use crate::runs::{Case, Telling};
+use crate::runs::{Case, TextOptions};
 
 /// Meshes with more nodes are read, and not made.
 const MAX_NODES: usize = 300;
@@ -20,7 +20,7 @@ pub(super) fn make(random: &mut Random, corpus: &Corpus) -> Vec<u8> {
     if random.percent(60) {
         return changed(random, &corpus.scenes, &corpus.words);
     }
-    let text = Case::random(random).text(&Telling::SI);
+    let text = Case::random(random).text(&TextOptions::SI);
     let other = &corpus.scenes[random.below(corpus.scenes.len())];
     mutated(random, text.as_bytes(), other, &corpus.words)
 }
@@ -30,7 +30,7 @@ pub(super) fn check(bytes: &[u8]) -> Verdict {
     // Files that it names are looked for beside the scenes of the tree.
     let name = scenes().join("fuzz.toml").display().to_string();
     match Scene::parse(&name, &text, &[]) {
-        Err(error) => told(&error),
+        Err(error) => check_diagnostic(&error),
         Ok(scene) => {
             again(&scene)?;
             discretised(&scene)
@@ -52,7 +52,7 @@ fn discretised(scene: &Scene) -> Verdict {
     }
     match discretise(scene) {
         Ok(_) => Ok("discretised"),
-        Err(RunError::Scene(error)) => told(&error),
+        Err(RunError::Scene(error)) => check_diagnostic(&error),
         Err(error) => said(&error),
     }
 }
@@ -95,6 +95,6 @@ pub(super) fn check_override(bytes: &[u8]) -> Verdict {
     }
     match Scene::parse("base.toml", BASE, &[change]) {
         Ok(scene) => again(&scene).map(|()| "read"),
-        Err(error) => told(&error),
+        Err(error) => check_diagnostic(&error),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::case::Case;
 use super::solved::Solved;
-use super::{Telling, parsed};
+use super::{TextOptions, parsed};
 use crate::random::Random;
 use std::collections::BTreeMap;
 use stickslip::body::mesh::{Mesh, MeshSource};
@@ -74,8 +74,8 @@ pub(super) fn alike(
     places: impl Fn(&Solved, usize) -> Places,
     tolerance: f64,
 ) -> Result<(), String> {
-    let told = |(k, by): (usize, f64)| format!("contact forces of increment {} differ by {by:.2e}", k + 1);
-    difference(one, other, places, tolerance)?.map_or(Ok(()), |found| Err(told(found)))
+    let message = |(k, by): (usize, f64)| format!("contact forces of increment {} differ by {by:.2e}", k + 1);
+    difference(one, other, places, tolerance)?.map_or(Ok(()), |found| Err(message(found)))
 }
 
 const UNITS: [([&str; 2], [f64; 2]); 4] = [
@@ -88,7 +88,7 @@ const UNITS: [([&str; 2], [f64; 2]); 4] = [
 /// In other units.
 pub(super) fn in_other_units(case: &Case, solved: &Solved) -> Result<(), String> {
     let units = UNITS[(case.end.to_bits() as usize ^ case.increments ^ case.contacts.len()) % UNITS.len()];
-    let scene = parsed(&case.text(&Telling { units: Some(units), mirrored: false }))?;
+    let scene = parsed(&case.text(&TextOptions { units: Some(units), mirrored: false }))?;
     let wrong = |wrong: String| format!("in {:?}: {wrong}", units.0);
     match Solved::of(&scene).map_err(wrong)? {
         Some(other) => alike(solved, &other, sorted, 1e-9).map_err(wrong),
@@ -101,7 +101,7 @@ pub(super) fn mirrored(case: &Case, solved: &Solved) -> Result<(), String> {
     if !["quadrilateral", "hexahedron"].contains(&case.cells) || case.plane == "axisymmetric" {
         return Ok(());
     }
-    let scene = parsed(&case.text(&Telling { units: None, mirrored: true }))?;
+    let scene = parsed(&case.text(&TextOptions { units: None, mirrored: true }))?;
     let wrong = |wrong: String| format!("mirrored: {wrong}");
     let width = case.width();
     let places = |solved: &Solved, k: usize| by_place(solved, k, |[x, y, z]| [width - x, y, z]);

@@ -236,10 +236,11 @@ impl<'a> Data<'a> {
 
     fn equilibrium(&self, state: &State) -> Option<String> {
         // The way of a body that contact alone holds is told to so many digits: what rounding it strains is no error of the run.
-        let way = if self.model.problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.moving };
+        let tolerance =
+            if self.model.problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.moving };
         let balance = imbalance(self.model, &self.force, state);
-        let beyond = balance.iter().map(|r| if r.abs() <= way { 0.0 } else { *r });
-        beyond.enumerate().find_map(|(dof, r)| self.too_large("equilibrium", dof, r, self.scales.force))
+        let residual = balance.iter().map(|r| if r.abs() <= tolerance { 0.0 } else { *r });
+        residual.enumerate().find_map(|(dof, r)| self.too_large("equilibrium", dof, r, self.scales.force))
     }
 
     fn contact(&self, state: &State) -> Option<String> {
@@ -291,8 +292,9 @@ impl<'a> Data<'a> {
                 0.0
             };
             // Beside the way of a body that contact alone holds a slip may be so small that its direction is lost in rounding.
-            let way = if problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.scales.length };
-            let unknown = if length > 0.0 { radius * (way / length).min(2.0) } else { 0.0 };
+            let tolerance =
+                if problem.rigid_modes().is_empty() { 0.0 } else { 4.0 * f64::EPSILON * self.scales.length };
+            let unknown = if length > 0.0 { radius * (tolerance / length).min(2.0) } else { 0.0 };
             let lacking = (lacking - unknown).max(0.0);
             let both = smaller(relative(lacking, self.scales.force), relative(length, self.scales.length));
             self.too_large("slip without full friction against it", i, both, 1.0)

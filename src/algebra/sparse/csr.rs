@@ -116,13 +116,13 @@ impl Csr {
         self.row(i).iter().map(|&(column, value)| value * x[column]).sum()
     }
 
-    /// Returns the product of row `i` with `x + rest`, minus `y`, in twice the working precision; `rest` may be
+    /// Returns the product of row `i` with `x + x_lo`, minus `y`, in twice the working precision; `x_lo` may be
     /// empty.
-    pub(crate) fn difference(&self, i: usize, x: &[f64], rest: &[f64], y: f64) -> f64 {
+    pub(crate) fn difference(&self, i: usize, x: &[f64], x_lo: &[f64], y: f64) -> f64 {
         let mut sum = DoubleDouble::default();
         for &(column, value) in self.row(i) {
             sum.add_product(value, x[column]);
-            sum.add(value * rest.get(column).copied().unwrap_or(0.0));
+            sum.add(value * x_lo.get(column).copied().unwrap_or(0.0));
         }
         sum.add(-y);
         sum.value()

@@ -68,22 +68,22 @@ impl Pattern {
             return Err(fault);
         }
         // Sort each column and remove repetitions, in place.
-        let mut kept = 0;
+        let mut count = 0;
         let mut column_starts = Vec::with_capacity(columns + 1);
         column_starts.push(0);
         for column in 0..columns {
             let (from, to) = (starts[column], starts[column + 1]);
             found[from..to].sort_unstable();
-            let first = kept;
+            let first = count;
             for k in from..to {
-                if kept == first || found[kept - 1] != found[k] {
-                    found[kept] = found[k];
-                    kept += 1;
+                if count == first || found[count - 1] != found[k] {
+                    found[count] = found[k];
+                    count += 1;
                 }
             }
-            column_starts.push(kept as i64);
+            column_starts.push(count as i64);
         }
-        found.truncate(kept);
+        found.truncate(count);
         found.shrink_to_fit();
         Ok(Pattern { rows, column_starts, row_indices: found })
     }

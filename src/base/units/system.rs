@@ -145,8 +145,8 @@ impl UnitSystem {
         if self.is_si() {
             return x;
         }
-        let told = self.of_si(quantity, x);
-        format!("{told:.14e}").parse().unwrap_or(told)
+        let value = self.of_si(quantity, x);
+        format!("{value:.14e}").parse().unwrap_or(value)
     }
 
     /// Returns the coordinates of a point (m) in these units. Rounding beside the largest one is 0.
@@ -156,7 +156,7 @@ impl UnitSystem {
     }
 
     /// Formats a point (m): `(1, 0.5) mm`.
-    pub fn place(&self, x: [f64; 3]) -> String {
+    pub fn point(&self, x: [f64; 3]) -> String {
         let numbers: Vec<String> = self.coordinates(&x[..self.dimension]).iter().map(f64::to_string).collect();
         format!("({}) {}", numbers.join(", "), self.name(Quantity::Length))
     }
@@ -361,8 +361,8 @@ mod tests {
         assert_eq!(system.to_si(Quantity::Stress, 210e3), 210e9);
         assert_eq!(system.text(Quantity::Length, 0.1 + 0.2), "300 mm");
         assert_eq!(UnitSystem::si(2).text(Quantity::Length, 0.1 + 0.2), "0.30000000000000004 m");
-        assert_eq!(UnitSystem::si(2).place([1.0, 0.5, 0.0]), "(1, 0.5) m");
-        assert_eq!(system.place([-1.225e-18, 20e-3, 0.0]), "(0, 20, 0) mm");
+        assert_eq!(UnitSystem::si(2).point([1.0, 0.5, 0.0]), "(1, 0.5) m");
+        assert_eq!(system.point([-1.225e-18, 20e-3, 0.0]), "(0, 20, 0) mm");
     }
 
     #[test]

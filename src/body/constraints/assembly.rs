@@ -181,7 +181,7 @@ impl HeldRows {
     ///
     /// # Errors
     /// [`InvertedElement`] for the first inverted or degenerate element at these nodes.
-    pub fn alone(
+    pub fn rows_only(
         mesh: &Mesh,
         dofs: &Dofs,
         element: Element,
@@ -194,11 +194,11 @@ impl HeldRows {
         Ok(gathered.rows())
     }
 
-    /// Computes `K u` at these nodes, and 0 at others, N, for the displacements `u` (m) of all nodes plus `rest`, their
-    /// low-order part.
-    pub fn forces(&self, u: &[[f64; 3]], rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let (u_of, rest) = (u.as_flattened(), rest.as_flattened());
-        (0..u.len()).map(|node| [0, 1, 2].map(|c| self.0.difference(3 * node + c, u_of, rest, 0.0))).collect()
+    /// Computes `K u` at these nodes, and 0 at others, N, for the displacements `u` (m) of all nodes plus `u_rest`,
+    /// their low-order part.
+    pub fn forces(&self, u: &[[f64; 3]], u_rest: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (u_of, u_rest) = (u.as_flattened(), u_rest.as_flattened());
+        (0..u.len()).map(|node| [0, 1, 2].map(|c| self.0.difference(3 * node + c, u_of, u_rest, 0.0))).collect()
     }
 
     /// Computes `K u` at all nodes (N) if only these nodes are displaced, by `displacements` (m, all nodes).

@@ -41,10 +41,10 @@ impl Bonds {
 
     /// Returns the nodes on whose displacements that of `node` depends: itself if no relation determines it.
     pub(crate) fn roots(&self, node: usize) -> BTreeSet<usize> {
-        let (mut roots, mut seen, mut left) = (BTreeSet::new(), BTreeSet::new(), vec![node]);
+        let (mut roots, mut visited, mut left) = (BTreeSet::new(), BTreeSet::new(), vec![node]);
         while let Some(node) = left.pop() {
             match self.0.get(&node) {
-                Some(bond) if seen.insert(node) => left.extend(bond.others.iter().map(|(other, _)| *other)),
+                Some(bond) if visited.insert(node) => left.extend(bond.others.iter().map(|(other, _)| *other)),
                 Some(_) => (),
                 None => drop(roots.insert(node)),
             }
@@ -59,7 +59,7 @@ impl Bonds {
     }
 
     /// Solves `relation` for a node that no other one determines: its own, unless that is bound, or held along
-    /// directions `alone` in which the other nodes may move. Returns `None` if the relation follows from others and
+    /// directions `own_only` in which the other nodes may move. Returns `None` if the relation follows from others and
     /// from supports.
     ///
     /// # Errors
@@ -68,11 +68,11 @@ impl Bonds {
         &self,
         dofs: &Dofs,
         relation: Relative,
-        alone: &[[f64; 3]],
+        own_only: &[[f64; 3]],
     ) -> Result<Option<Relative>, Apart> {
         let own = relation.node;
         let open = |node: usize| self.expands(dofs, node).is_none();
-        if alone.is_empty() && !self.bind(own) && relation.others.iter().all(|(other, _)| open(*other)) {
+        if own_only.is_empty() && !self.bind(own) && relation.others.iter().all(|(other, _)| open(*other)) {
             return Ok(Some(relation));
         }
         let with_own = [(own, Coefficient::Factor(-relation.own))].into_iter().chain(relation.others.iter().cloned());
@@ -85,11 +85,11 @@ impl Bonds {
         // Directions in which the other nodes of the row are held, too, need no relation.
         let held_apart = |node: usize| {
             let of_own: Vec<[f64; 3]> = dofs.held(own).collect();
-            let beyond = |n: &[f64; 3]| norm(of_own.iter().copied().fold(*n, across)) > SAME_DIRECTION;
-            let apart = if node == own { alone.to_vec() } else { dofs.held(node).filter(beyond).collect() };
+            let is_other = |n: &[f64; 3]| norm(of_own.iter().copied().fold(*n, across)) > SAME_DIRECTION;
+            let apart = if node == own { own_only.to_vec() } else { dofs.held(node).filter(is_other).collect() };
             let others = whole.others.iter().filter(|(other, _)| *other != node).cloned().collect();
-            let rest = Relative { node, others, ..whole.clone() };
-            apart.into_iter().any(|n| dofs.may_move(&rest, n, |_, _| false))
+            let others_only = Relative { node, others, ..whole.clone() };
+            apart.into_iter().any(|n| dofs.may_move(&others_only, n, |_, _| false))
         };
         let fits = |node: usize| dofs.in_mesh(node) == node && !self.bind(node) && !held_apart(node);
         let candidates: Vec<(usize, f64)> = (terms.iter())
@@ -121,8 +121,8 @@ impl Bonds {
     fn terms(&self, dofs: &Dofs, mut left: Vec<(usize, Coefficient)>, to_points: bool) -> BTreeMap<usize, Coefficient> {
         let mut terms = BTreeMap::<usize, Coefficient>::new();
         while let Some((node, c)) = left.pop() {
-            let carried = |bond: &Relative| bond.others.iter().any(|(other, _)| dofs.is_rotation(*other));
-            let bond = self.expands(dofs, node).filter(|bond| to_points || !carried(bond));
+            let is_to_point = |bond: &Relative| bond.others.iter().any(|(other, _)| dofs.is_rotation(*other));
+            let bond = self.expands(dofs, node).filter(|bond| to_points || !is_to_point(bond));
             if let (Some(bond), Coefficient::Factor(c)) = (bond, &c) {
                 left.extend(bond.others.iter().map(|(other, of)| (*other, of.over(bond.own / c))));
             } else {

@@ -41,7 +41,7 @@ pub struct Dofs {
     /// The relative nodes, each after the nodes that it is relative to.
     pub(super) relative_order: Vec<usize>,
     /// The rows of `T` beyond the own unknown, for the free components of relative nodes.
-    pub(super) beyond: BTreeMap<usize, Vec<(usize, f64)>>,
+    pub(super) transform_rows: BTreeMap<usize, Vec<(usize, f64)>>,
     free: usize,
 }
 
@@ -84,7 +84,7 @@ impl Dofs {
             frames: BTreeMap::new(),
             relative: BTreeMap::new(),
             relative_order: Vec::new(),
-            beyond: BTreeMap::new(),
+            transform_rows: BTreeMap::new(),
             free: 0,
         };
         for node in 0..dofs.node_of_jump(dofs.jumps.len()) {
@@ -165,8 +165,8 @@ impl Dofs {
     /// sum of unknowns with coefficients, its own unknown first.
     pub(super) fn row(&self, k: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let own = || self.relative.get(&(k / self.dimension)).map_or(1.0, |relative| 1.0 / relative.own);
-        let beyond = self.beyond.get(&k).into_iter().flatten().copied();
-        self.numbers[k].map(|dof| (dof, own())).into_iter().chain(beyond)
+        let others = self.transform_rows.get(&k).into_iter().flatten().copied();
+        self.numbers[k].map(|dof| (dof, own())).into_iter().chain(others)
     }
 
     /// Returns the displacement of `node` along `vector` as a sum of unknowns with coefficients. An unknown may occur
@@ -208,10 +208,10 @@ impl Dofs {
     pub fn displacements(&self, u: &[f64]) -> Vec<[f64; 3]> {
         let node = |dofs: &[Option<usize>]| [0, 1, 2].map(|c| dofs.get(c).copied().flatten().map_or(0.0, |dof| u[dof]));
         let mut displacements: Vec<[f64; 3]> = self.numbers.chunks_exact(self.dimension).map(node).collect();
-        for (&k, beyond) in &self.beyond {
+        for (&k, row) in &self.transform_rows {
             let node = k / self.dimension;
             let own = &mut displacements[node][k % self.dimension];
-            *own = *own / self.relative[&node].own + beyond.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
+            *own = *own / self.relative[&node].own + row.iter().map(|(dof, c)| c * u[*dof]).sum::<f64>();
         }
         for (&node, frame) in &self.frames {
             let along = displacements[node];
@@ -222,8 +222,8 @@ impl Dofs {
 
     /// Returns the reference point of a node outside the mesh, and `true` for the node of its rotation.
     pub(super) fn point_of(&self, node: usize) -> Option<(&ReferencePoint, bool)> {
-        let beyond = node.checked_sub(self.of_mesh)?;
-        Some((self.points.get(beyond / 2)?, beyond % 2 == 1))
+        let index = node.checked_sub(self.of_mesh)?;
+        Some((self.points.get(index / 2)?, index % 2 == 1))
     }
 
     /// Returns `true` if there are nodes outside the mesh: those of reference points and jumps.
@@ -251,7 +251,7 @@ impl Dofs {
     pub fn in_mesh(&self, node: usize) -> usize {
         match self.jump_of(node) {
             Some(jump) => jump.node,
-            None => self.point_of(node).map_or(node, |(point, _)| point.carried),
+            None => self.point_of(node).map_or(node, |(point, _)| point.carried_node),
         }
     }
 
@@ -357,12 +357,12 @@ pub fn independent(mut directions: Vec<[f64; 3]>, dimension: usize) -> Vec<[f64;
     directions.sort_by_key(|n| n.iter().filter(|c| **c != 0.0).count());
     let mut basis: Vec<[f64; 3]> = Vec::new();
     for n in directions {
-        let rest = basis.iter().fold(n, |rest, b| {
+        let remainder = basis.iter().fold(n, |rest, b| {
             let along = dot(rest, *b);
             minus(rest, b.map(|c| along * c))
         });
-        if basis.len() < dimension && norm(rest) > SAME_DIRECTION {
-            basis.push(if basis.is_empty() { n } else { unit(rest) });
+        if basis.len() < dimension && norm(remainder) > SAME_DIRECTION {
+            basis.push(if basis.is_empty() { n } else { unit(remainder) });
         }
     }
     basis
@@ -395,7 +395,7 @@ pub struct ReferencePoint {
     /// The length `r` by which rotations are multiplied, m.
     pub radius: f64,
     /// A node that it carries.
-    pub carried: usize,
+    pub carried_node: usize,
 }
 
 impl ReferencePoint {
@@ -404,7 +404,7 @@ impl ReferencePoint {
         let arm = |node: &usize| norm(minus(mesh.nodes[*node], position));
         let radius = nodes.iter().map(arm).fold(0.0, f64::max);
         let radius = if radius > 0.0 { radius } else { mesh.size() };
-        ReferencePoint { position, radius, carried: nodes.first().copied().unwrap_or(0) }
+        ReferencePoint { position, radius, carried_node: nodes.first().copied().unwrap_or(0) }
     }
 
     /// Returns the displacement of its second node for a `rotation`, rad.

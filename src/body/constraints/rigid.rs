@@ -110,37 +110,37 @@ impl RigidMotion {
 
     /// Describes the motion, with coordinates in `units`. If there are several bodies, the moving ones are named: ``
     /// `upper`: a translation along (0, 1); `lower`: a rotation about (1, 0) m``.
-    pub fn told(&self, units: &UnitSystem) -> String {
+    pub fn describe(&self, units: &UnitSystem) -> String {
         let (length, unit) = (|x: f64| units.of_si(Quantity::Length, x), units.name(Quantity::Length));
-        let told = |motion: &BodyMotion| BodyMotion {
+        let converted = |motion: &BodyMotion| BodyMotion {
             translation: motion.translation.map(length),
             about: motion.about.map(length),
             size: length(motion.size),
             ..motion.clone()
         };
-        RigidMotion { bodies: self.bodies.iter().map(told).collect(), ..self.clone() }.in_words(&unit)
+        RigidMotion { bodies: self.bodies.iter().map(converted).collect(), ..self.clone() }.in_words(&unit)
     }
 
     /// Describes what moves and how: "the body against a translation along (0, 1)", `` `upper` against a translation
     /// along (0, 1)``.
     pub fn against(&self, units: &UnitSystem) -> String {
-        let told = self.told(units);
+        let text = self.describe(units);
         match &self.moving()[..] {
-            _ if self.bodies.len() == 1 => format!("the body against {told}"),
-            [_] => told.replacen("`: ", "` against ", 1),
-            _ => format!("the bodies against {told}"),
+            _ if self.bodies.len() == 1 => format!("the body against {text}"),
+            [_] => text.replacen("`: ", "` against ", 1),
+            _ => format!("the bodies against {text}"),
         }
     }
 
     /// Describes how the bodies slide: "the body slides along (0, 1)", `` `hub` turns about (0, 0) mm``.
     pub fn sliding(&self, units: &UnitSystem) -> String {
         let verbs = [("a translation along", "slides along"), ("a rotation about", "turns about")];
-        let told = self.told(units);
-        let verbal = verbs.iter().fold(told.clone(), |told, (noun, verb)| told.replace(noun, verb));
+        let text = self.describe(units);
+        let verbal = verbs.iter().fold(text.clone(), |text, (noun, verb)| text.replace(noun, verb));
         match &self.moving()[..] {
             _ if self.bodies.len() == 1 => format!("the body {verbal}"),
             [_] => verbal.replacen("`: ", "` ", 1),
-            _ => format!("the bodies move, {told}"),
+            _ => format!("the bodies move, {text}"),
         }
     }
 
@@ -165,19 +165,19 @@ impl RigidMotion {
     /// Describes the motion, with coordinates in a unit of this name.
     fn in_words(&self, unit: &str) -> String {
         // Bodies with the same motion are described together.
-        let mut told: Vec<(String, Vec<String>)> = Vec::new();
+        let mut list: Vec<(String, Vec<String>)> = Vec::new();
         for body in self.moving() {
             let words = body.in_words(self.dimension, unit);
             if self.bodies.len() == 1 {
                 return words;
             }
             let name = format!("`{}`", body.name);
-            match told.iter_mut().find(|(other, _)| *other == words) {
+            match list.iter_mut().find(|(other, _)| *other == words) {
                 Some((_, names)) => names.push(name),
-                None => told.push((words, vec![name])),
+                None => list.push((words, vec![name])),
             }
         }
-        told.into_iter().map(|(words, names)| format!("{}: {words}", names.join(", "))).collect::<Vec<_>>().join("; ")
+        list.into_iter().map(|(words, names)| format!("{}: {words}", names.join(", "))).collect::<Vec<_>>().join("; ")
     }
 }
 

@@ -37,7 +37,7 @@ impl Dofs {
                 {
                     *sum.entry(dof).or_insert(0.0) += value;
                 }
-                self.beyond.insert(self.dimension * node + a, sum.into_iter().collect());
+                self.transform_rows.insert(self.dimension * node + a, sum.into_iter().collect());
             }
         }
         Ok(self)
@@ -120,8 +120,8 @@ impl Dofs {
     pub fn passed_on(&self, node: usize, force: [f64; 3]) -> Vec<(usize, [f64; 3])> {
         match self.relative.get(&node) {
             Some(Relative { own, others, tied: true, .. }) => {
-                let part = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
-                others.iter().map(part).collect()
+                let term = |(other, c): &(usize, Coefficient)| (*other, c.over(*own).transposed_times(force));
+                others.iter().map(term).collect()
             }
             _ => Vec::new(),
         }
@@ -141,11 +141,11 @@ impl Dofs {
     /// Computes the stiffness `Tᵀ K T` of an element with these nodes, and returns its unknowns and the stiffness.
     pub(super) fn reduced(&self, nodes: &[usize], stiffness: &[Vec<f64>]) -> (Vec<usize>, Vec<Vec<f64>>) {
         let unknowns = self.unknowns_of(nodes);
-        let place = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
+        let index = |dof: usize| unknowns.binary_search(&dof).unwrap_or(0);
         let components = stiffness.len() / nodes.len();
         let row = |k: usize| self.along(nodes[k / components], axis(k % components));
         let rows: Vec<Vec<(usize, f64)>> =
-            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (place(dof), c)).collect()).collect();
+            (0..stiffness.len()).map(|k| row(k).map(|(dof, c)| (index(dof), c)).collect()).collect();
         let mut reduced = vec![vec![0.0; unknowns.len()]; unknowns.len()];
         for (row, values) in rows.iter().zip(stiffness).filter(|(row, _)| !row.is_empty()) {
             let mut of_row = vec![0.0; unknowns.len()];

@@ -203,8 +203,8 @@ impl Obstacle {
         if let Some(given) = self.tangent {
             let tangent = direction("tangent", given)?;
             let help = "give both, at right angles, or leave the tangent out";
-            let sound = normal.is_some_and(|normal| dot(normal, tangent).abs() <= SKEW);
-            ensure(sound, "tangent", &given, "at right angles to a given normal", help)?;
+            let is_valid = normal.is_some_and(|normal| dot(normal, tangent).abs() <= SKEW);
+            ensure(is_valid, "tangent", &given, "at right angles to a given normal", help)?;
         }
         let one_normal = matches!(
             self.shape,
@@ -313,8 +313,8 @@ impl Rotation {
 }
 
 fn point(key: &str, value: Vector) -> Result<(), InputError> {
-    let sound = value.components().iter().all(|x| x.is_finite());
-    ensure(sound, key, &value, "finite numbers", "give numbers other than nan or inf")?;
+    let is_valid = value.components().iter().all(|x| x.is_finite());
+    ensure(is_valid, key, &value, "finite numbers", "give numbers other than nan or inf")?;
     not_huge(key, value.components())
 }
 

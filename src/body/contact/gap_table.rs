@@ -86,8 +86,8 @@ impl GapTable {
         let names: Vec<&str> = header.split(',').map(str::trim).collect();
         let axis = |name: &&str| ["x", "y", "z"].iter().position(|axis| axis == name);
         let coordinates: Option<Vec<usize>> = names[..names.len() - 1].iter().map(axis).collect();
-        let sound = |c: &Vec<usize>| matches!(c[..], [_]) || matches!(c[..], [a, b] if a != b);
-        let Some(coordinates) = coordinates.filter(|c| sound(c) && names.last() == Some(&"gap")) else {
+        let is_valid = |c: &Vec<usize>| matches!(c[..], [_]) || matches!(c[..], [a, b] if a != b);
+        let Some(coordinates) = coordinates.filter(|c| is_valid(c) && names.last() == Some(&"gap")) else {
             return Err(TableError::Header { file, header: header.to_string() });
         };
         let mut rows: Vec<Vec<f64>> = Vec::new();
@@ -132,7 +132,7 @@ impl GapTable {
     /// Returns the gap (m) at `x`: linear between the points of a line, bilinear between the points of a grid, NaN
     /// outside.
     pub fn at(&self, x: [f64; 3]) -> f64 {
-        let place = |c: usize| -> Option<(usize, f64)> {
+        let cell = |c: usize| -> Option<(usize, f64)> {
             let (knots, x) = (&self.knots[c], x[self.coordinates[c]]);
             // A node on the rim may lie outside by a rounding error of its coordinates.
             let slack = 1e-9 * (knots[knots.len() - 1] - knots[0]);
@@ -146,8 +146,8 @@ impl GapTable {
         };
         // The interpolation is exact at both ends.
         let between = |a: f64, b: f64, s: f64| if s < 1.0 { a + s * (b - a) } else { b };
-        let places: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(place).collect();
-        match places.as_deref() {
+        let cells: Option<Vec<(usize, f64)>> = (0..self.knots.len()).map(cell).collect();
+        match cells.as_deref() {
             Some(&[(k, s)]) => between(self.gaps[k], self.gaps[k + 1], s),
             Some(&[(i, s), (j, t)]) => {
                 let row = |i: usize| {

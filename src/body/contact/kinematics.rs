@@ -18,7 +18,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::front::Meeting;
+use super::assignment::NodeObstacle;
 use super::mortar::MortarRow;
 use super::motion::ObstacleMotion;
 use super::obstacle::{Facing, PlacedObstacle, first_tangent};
@@ -43,7 +43,7 @@ pub struct ContactNode {
     /// The ends of the edge, if the node is between corners of a boundary of second order.
     pub ends: Option<[End; 2]>,
     /// The nodes in the rows of glued contact nodes that this one carries, with their coefficients.
-    pub carried: Vec<Term>,
+    pub dependent: Vec<Term>,
     /// The row of `C_n`.
     pub normal: Row,
     /// The rows of `C_t` and `C_o`, along orthonormal tangents. A row is empty if the node cannot slide in its
@@ -135,7 +135,7 @@ pub struct ContactBoundary {
     /// The share of each node in this boundary, like [`ContactNode::weight`], m or m².
     pub weights: Vec<f64>,
     /// The number of its nodes that no obstacle ever reaches.
-    pub beyond: usize,
+    pub unreached: usize,
     /// The numbers of its obstacles among all obstacles; empty in front of another boundary.
     pub obstacles: Range<usize>,
     /// The number of the pair of which it is the slave, if it is in front of another boundary.
@@ -150,7 +150,7 @@ impl ContactBoundary {
     }
 }
 
-/// Creates the contact nodes of `met`, nodes of `boundary` in front of obstacles.
+/// Creates the contact nodes of `assigned`, nodes of `boundary` in front of obstacles.
 ///
 /// A node that supports hold along the normal carries no contact force and is left out. Held displacements of the ends
 /// of its edge are left out of its rows.
@@ -159,7 +159,7 @@ pub fn contact_nodes(
     dofs: &Dofs,
     boundary: &Boundary,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
-    met: &[Meeting],
+    assigned: &[NodeObstacle],
 ) -> Vec<ContactNode> {
     let mut weights = vec![0.0; mesh.nodes.len()];
     let mut edges = BTreeMap::new();
@@ -170,15 +170,15 @@ pub fn contact_nodes(
         let share = mesh.share_of_ends(facet);
         edges.extend(mesh.bent_edges(facet).into_iter().map(|[a, middle, b]| (middle, ([a, b], share))));
     }
-    (met.iter())
-        .map(|&Meeting { node, obstacle, mut facing, ref others }| {
+    (assigned.iter())
+        .map(|&NodeObstacle { node, obstacle, mut facing, ref others }| {
             let frame = facing.tangents;
             let tangents = tangents(&dofs.held(node).collect::<Vec<_>>(), &facing);
             facing.tangents = [0, 1].map(|k| tangents.get(k).copied().unwrap_or_default());
             let end = |node: usize, share: f64| {
                 let position = mesh.nodes[node];
-                let seen = obstacles[obstacle].0.seen_from(position);
-                End { node, position, facing: Facing { tangents: turned(&facing, &seen), ..seen }, share }
+                let at_end = obstacles[obstacle].0.seen_from(position);
+                End { node, position, facing: Facing { tangents: turned(&facing, &at_end), ..at_end }, share }
             };
             let ends = edges.get(&node).map(|&(edge, share)| edge.map(|node| end(node, share)));
             let (position, weight, none) = (mesh.nodes[node], weights[node], [Row::new(), Row::new()]);
@@ -186,7 +186,7 @@ pub fn contact_nodes(
                 node,
                 position,
                 ends,
-                carried: Vec::new(),
+                dependent: Vec::new(),
                 normal: Row::new(),
                 tangents: none,
                 counterpart: Counterpart::Obstacle(obstacle),
@@ -201,15 +201,15 @@ pub fn contact_nodes(
         .collect()
 }
 
-/// Returns the tangents of `facing` after the smallest rotation that takes its normal to the normal of `seen`.
-fn turned(facing: &Facing, seen: &Facing) -> [[f64; 3]; 2] {
-    let between = plus(facing.normal, 1.0, seen.normal);
-    let size = dot(between, seen.normal);
+/// Returns the tangents of `facing` after the smallest rotation that takes its normal to the normal of `at_end`.
+fn turned(facing: &Facing, at_end: &Facing) -> [[f64; 3]; 2] {
+    let between = plus(facing.normal, 1.0, at_end.normal);
+    let size = dot(between, at_end.normal);
     // Between opposite normals, at the edge of a sheet, there is no smallest rotation.
-    if facing.normal == seen.normal || size <= TURNED_BACK {
+    if facing.normal == at_end.normal || size <= TURNED_BACK {
         return facing.tangents;
     }
-    facing.tangents.map(|tangent| plus(tangent, -dot(tangent, seen.normal) / size, between))
+    facing.tangents.map(|tangent| plus(tangent, -dot(tangent, at_end.normal) / size, between))
 }
 
 /// Returns the row of the displacement of `node` along `direction`.
@@ -244,8 +244,8 @@ impl ContactNode {
     /// Returns the nodes in its rows. In front of an obstacle, these are the node itself and, if it is between corners,
     /// the ends of its edge. The nodes of glued contact nodes that it carries come last.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
-        let carried: f64 = self.carried.iter().filter(|term| !term.opposite).map(|term| term.coefficient).sum();
-        let rest = 1.0 - carried;
+        let dependent: f64 = self.dependent.iter().filter(|term| !term.opposite).map(|term| term.coefficient).sum();
+        let rest = 1.0 - dependent;
         let scaled = move |term: Term| Term { coefficient: rest * term.coefficient, ..term };
         let own = 1.0 / (1.0 - self.ends.iter().flatten().map(|end| end.share).sum::<f64>());
         let term = |coefficient, node, position, facing| Term { coefficient, node, position, facing, opposite: false };
@@ -255,12 +255,12 @@ impl ContactNode {
             move |&(node, position, c): &_| Term { opposite, ..term(c, node, position, self.facing) }
         };
         let coupled = self.coupled();
-        let alone = coupled.is_none().then_some(own).into_iter().chain(self.ends.iter().flatten().map(of_end));
+        let uncoupled = coupled.is_none().then_some(own).into_iter().chain(self.ends.iter().flatten().map(of_end));
         let both = move |coupled: &'_ Coupled| {
             let slave = coupled.slave.iter().map(of_node(false));
             slave.chain(coupled.master.iter().map(of_node(true))).collect::<Vec<_>>()
         };
-        alone.chain(coupled.into_iter().flat_map(both)).map(scaled).chain(self.carried.iter().copied())
+        uncoupled.chain(coupled.into_iter().flat_map(both)).map(scaled).chain(self.dependent.iter().copied())
     }
 
     /// Computes `Σ coefficient · value` over the nodes in its rows.
@@ -271,15 +271,15 @@ impl ContactNode {
     /// Computes the gap of its rows (m) from the distances (m) of its nodes from `obstacle`. If the obstacle is not in
     /// front of all of them, the gap is taken to be linear along the edge, and the result is that of the node itself.
     pub fn gap(&self, obstacle: &PlacedObstacle, distances: &[f64]) -> f64 {
-        if self.is_alone() || !obstacle.is_in_front_of_all(distances) {
+        if self.is_single() || !obstacle.is_in_front_of_all(distances) {
             return distances[0];
         }
         self.terms().zip(distances).map(|(term, distance)| term.coefficient * distance).sum()
     }
 
     /// Returns `true` if no other node of the body is in its rows.
-    pub fn is_alone(&self) -> bool {
-        self.ends.is_none() && self.carried.is_empty()
+    pub fn is_single(&self) -> bool {
+        self.ends.is_none() && self.dependent.is_empty()
     }
 
     /// Computes the gap of its rows in front of `obstacle` at rest, m.
@@ -333,26 +333,26 @@ pub(super) fn tangents(held: &[[f64; 3]], facing: &Facing) -> Vec<[f64; 3]> {
 /// The rounding error of a zero gap, as a share of the body's size.
 const TOUCHING: f64 = 1e-12;
 
-/// Finds the first node of `met` that its obstacle reaches, as seen at `times` (s), while supports hold it or move it
-/// by `moved` (m) along its normal. No displacement can bring such a node out of the obstacle.
+/// Finds the first node of `assigned` that its obstacle reaches, as seen at `times` (s), while supports hold it or move
+/// it by `moved` (m) along its normal. No displacement can bring such a node out of the obstacle.
 pub fn unreachable(
     mesh: &Mesh,
     dofs: &Dofs,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
-    met: &[Meeting],
+    assigned: &[NodeObstacle],
     times: &[f64],
-    moved: impl Fn(&Meeting, f64) -> f64,
+    moved: impl Fn(&NodeObstacle, f64) -> f64,
 ) -> Option<usize> {
     let touching = TOUCHING * mesh.size();
-    let caught = met.iter().find(|met| {
-        let x = mesh.nodes[met.node];
+    let caught = assigned.iter().find(|node| {
+        let x = mesh.nodes[node.node];
         let smallest = |k: usize, facing: &Facing| {
             let (obstacle, motion) = &obstacles[k];
-            motion.smallest_gap(obstacle, x, facing, times, |t| moved(met, t))
+            motion.smallest_gap(obstacle, x, facing, times, |t| moved(node, t))
         };
-        row(dofs, met.node, met.facing.normal).is_empty()
-            && (smallest(met.obstacle, &met.facing) < -touching
-                || met.others.iter().any(|&k| smallest(k, &obstacles[k].0.seen_from(x)) < -touching))
+        row(dofs, node.node, node.facing.normal).is_empty()
+            && (smallest(node.obstacle, &node.facing) < -touching
+                || node.others.iter().any(|&k| smallest(k, &obstacles[k].0.seen_from(x)) < -touching))
     });
     caught.map(|met| met.node)
 }
@@ -410,7 +410,7 @@ pub fn coupled_nodes(
             node: row.node,
             position: mesh.nodes[row.node],
             ends: None,
-            carried: Vec::new(),
+            dependent: Vec::new(),
             normal: Row::new(),
             tangents: [Row::new(), Row::new()],
             counterpart: Counterpart::Boundary(coupled),
@@ -443,21 +443,21 @@ mod tests {
         let dofs = Dofs::new(&mesh, |node, _| mesh.nodes[node][0] == 0.0);
         let bottom = mesh.boundary("bottom").unwrap();
         let given = Obstacle::plane(1e-5);
-        let met = |given: &Obstacle| {
+        let assigned_to = |given: &Obstacle| {
             let plane = PlacedObstacle::new(&mesh, bottom, given).unwrap();
             let motion = ObstacleMotion::new(given, plane.normal, 2.0);
             let obstacles = vec![(plane, motion)];
             (meetings(&mesh, bottom, &obstacles, &[]).unwrap(), obstacles)
         };
-        let (meetings, obstacles) = met(&given);
+        let (meetings, obstacles) = assigned_to(&given);
         let contacts = contact_nodes(&mesh, &dofs, bottom, &obstacles, &meetings);
         assert_eq!(contacts.iter().map(|c| c.position[0]).collect::<Vec<_>>(), [0.25, 0.5, 0.75, 1.0]);
         assert_eq!(contacts.iter().map(|c| c.weight).collect::<Vec<_>>(), [0.25, 0.25, 0.25, 0.125]);
         let [Some(x), Some(y)] = dofs.node(1)[..] else { panic!() };
         assert_eq!((&contacts[0].normal, &contacts[0].tangents), (&vec![(y, -1.0)], &[vec![(x, 1.0)], vec![]]));
         let reached = |given: &Obstacle| {
-            let (met, obstacles) = met(given);
-            unreachable(&mesh, &dofs, &obstacles, &met, &[], |_, _| 0.0)
+            let (assigned, obstacles) = assigned_to(given);
+            unreachable(&mesh, &dofs, &obstacles, &assigned, &[], |_, _| 0.0)
         };
         assert_eq!(reached(&given), None);
         assert_eq!(reached(&given.clone().approaching(&[[0.0, 0.0], [1.0, 2e-5], [2.0, 0.0]])), Some(0));
@@ -476,8 +476,8 @@ mod tests {
             let plane = PlacedObstacle::new(&mesh, bottom, &given).unwrap();
             let motion = ObstacleMotion::new(&given, plane.normal, 2.0);
             let obstacles = [(plane, motion)];
-            let met = meetings(&mesh, bottom, &obstacles, &[]).unwrap();
-            let contacts = contact_nodes(&mesh, &dofs, bottom, &obstacles, &met);
+            let assigned = meetings(&mesh, bottom, &obstacles, &[]).unwrap();
+            let contacts = contact_nodes(&mesh, &dofs, bottom, &obstacles, &assigned);
             assert!((contacts.iter().map(|c| c.weight).sum::<f64>() - 1.0).abs() < 1e-15);
             for contact in &contacts {
                 let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();

@@ -174,7 +174,7 @@ impl Mortar {
         edges.extend(edges_of(mesh, &master.facets));
         let mut sums = BTreeMap::<usize, Sum>::new();
         for (facet, cover) in slave.facets.iter().zip(&covers.facets) {
-            for part in cover::parts(mesh, facet, cover, &lost) {
+            for part in cover::facet_shares(mesh, facet, cover, &lost) {
                 let turns = mesh.is_quadratic(facet);
                 sums.entry(part.node).or_default().add(mesh, &edges, (cover.normal, turns), part);
             }
@@ -397,7 +397,7 @@ fn lost(
         for (&node, weight) in facet.iter().zip(bernstein(mesh, facet, &facet_weights(mesh, facet))) {
             *whole.entry(node).or_default() += weight;
         }
-        for part in cover::parts(mesh, facet, cover, &lost) {
+        for part in cover::facet_shares(mesh, facet, cover, &lost) {
             *covered.entry(part.node).or_default() += part.weight;
         }
     }
@@ -438,7 +438,7 @@ fn master_weights(mesh: &Mesh, master: &Boundary, covers: &Covers) -> Vec<(usize
 
 /// The error of two boundaries that cannot be paired.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("{}", self.told(|x| format!("{x} m"), |at| format!("{at:?}")))]
+#[error("{}", self.message(|x| format!("{x} m"), |at| format!("{at:?}")))]
 pub enum MortarFault {
     /// The master is nowhere in front of the slave within the search distance.
     NothingInFront {
@@ -502,7 +502,7 @@ pub enum MortarFault {
 
 impl MortarFault {
     /// Describes the fault, with lengths and places in the words of `length` and `place`.
-    pub(crate) fn told(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
+    pub(crate) fn message(&self, length: impl Fn(f64) -> String, place: impl Fn(&Vector) -> String) -> String {
         match self {
             MortarFault::NothingInFront { slave, master, search, least, at } => format!(
                 "nothing of `{master}` is in front of `{slave}` within {}; the least distance is {}, at {}",

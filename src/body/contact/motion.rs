@@ -66,10 +66,10 @@ impl ObstacleMotion {
         ObstacleMotion { in_itself: !self.turns(obstacle), ..self }
     }
 
-    /// Adds the opposite motion for a body that supports move rigidly by `carried` (m) times the factor of `history`.
-    pub fn pass(&mut self, carried: [f64; 3], history: &[[f64; 2]]) {
-        if carried != [0.0; 3] {
-            self.translations.push((carried.map(|c| -c), history.to_vec()));
+    /// Adds the opposite motion for a body that supports move rigidly by `offset` (m) times the factor of `history`.
+    pub fn pass(&mut self, offset: [f64; 3], history: &[[f64; 2]]) {
+        if offset != [0.0; 3] {
+            self.translations.push((offset.map(|c| -c), history.to_vec()));
         }
     }
 
@@ -122,7 +122,7 @@ impl ObstacleMotion {
 
     /// Returns the gap (m) without linearisation: the distance from the moved obstacle.
     pub fn exact_gap(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
-        self.gap(t, x, facing) + self.bend(obstacle, t, x, facing)
+        self.gap(t, x, facing) + self.correction(obstacle, t, x, facing)
     }
 
     /// Returns the smallest gap (m) of a node at the points of all histories and at `times` (s), after the node has
@@ -223,7 +223,7 @@ impl ObstacleMotion {
     ///
     /// A translation along the normal changes both distances equally and is left out of both: an approach of a
     /// nanometre would lose its digits when added to the coordinates of the node.
-    fn bend(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
+    fn correction(&self, obstacle: &PlacedObstacle, t: f64, x: [f64; 3], facing: &Facing) -> f64 {
         if self.keeps_shape(obstacle, facing.normal) {
             return 0.0;
         }
@@ -257,7 +257,7 @@ impl ObstacleMotion {
 
     /// Returns the gap corrections (m) of nodes at `positions` (m), which see the obstacle at rest according to
     /// `facings`, at each of `times` (s); `None` if there are none.
-    pub fn bends(
+    pub fn corrections(
         &self,
         obstacle: &PlacedObstacle,
         positions: &[[f64; 3]],
@@ -267,7 +267,7 @@ impl ObstacleMotion {
         if facings.iter().all(|facing| self.keeps_shape(obstacle, facing.normal)) {
             return None;
         }
-        let at = |t: f64| positions.iter().zip(facings).map(|(x, facing)| self.bend(obstacle, t, *x, facing)).collect();
+        let at = |t: f64| positions.iter().zip(facings).map(|(&x, of)| self.correction(obstacle, t, x, of)).collect();
         Some(times.iter().map(|t| at(*t)).collect())
     }
 

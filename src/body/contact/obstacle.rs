@@ -304,12 +304,12 @@ impl PlacedObstacle {
         }
     }
 
-    /// Returns how far the curved surface that triangles approximate is beyond them where lines from `places` along unit vectors
-    /// meet them, m; nothing for other surfaces.
-    pub(crate) fn beyond_triangles(&self, places: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> Vec<f64> {
+    /// Returns how far the curved surface that triangles approximate is beyond them where lines from `points` along
+    /// unit vectors meet them, m; nothing for other surfaces.
+    pub(crate) fn sagittas(&self, points: impl Iterator<Item = ([f64; 3], [f64; 3])>) -> Vec<f64> {
         let Some(surface) = self.surface_of_triangles() else { return Vec::new() };
         let mut chords = Chords::new(surface);
-        places.filter_map(|(x, n)| surface.entry(x, n)).map(|entry| chords.beyond(entry.triangle)).collect()
+        points.filter_map(|(x, n)| surface.entry(x, n)).map(|entry| chords.sagitta(entry.triangle)).collect()
     }
 
     /// Returns the number of triangles of the surface, if it consists of triangles.

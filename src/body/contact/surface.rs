@@ -389,7 +389,7 @@ mod tests {
             let (z, q) = cone.split(minus(x, cone.apex));
             z * cone.half_angle.tan() - norm(q)
         };
-        let (mut met, mut missed) = (0, 0);
+        let (mut hits, mut missed) = (0, 0);
         for k in 0..2000_u32 {
             let [a, b, c, d] = [3, 5, 7, 11].map(|p| f64::from(k * p % 101) / 50.0 - 1.0);
             let n = crate::algebra::vector::unit([0.3 * a, 0.6 + 0.9 * b, 0.8 + 0.9 * c]);
@@ -400,12 +400,12 @@ mod tests {
                 missed += 1;
                 assert!((-200..400).all(|g| at(f64::from(g) / 50.0) < 1e-9), "{x:?} {n:?}");
             } else {
-                met += 1;
+                hits += 1;
                 assert!(at(entry).abs() < 1e-10 * (1.0 + entry.abs()), "{x:?} {n:?}: {entry} {}", at(entry));
                 assert!(at(entry - 1e-3) < 0.0 && at(entry + 1e-3) > -1e-9, "{x:?} {n:?}");
             }
         }
-        assert!(met > 500 && missed > 200, "{met} {missed}");
+        assert!(hits > 500 && missed > 200, "{hits} {missed}");
     }
 
     /// A line that leans by 30 degrees over a plane, a parabola, a roof and a step outside its path.
@@ -413,20 +413,20 @@ mod tests {
     fn the_places_where_a_line_ends() {
         let (sin, cos) = (0.5, 0.75_f64.sqrt());
         // From (x, 0) upwards to the side, to a surface at the height h(x).
-        let met = |x: f64, h: &dyn Fn(f64) -> f64| crossing(|s| h(x + s * sin) - s * cos, cos);
+        let hit = |x: f64, h: &dyn Fn(f64) -> f64| crossing(|s| h(x + s * sin) - s * cos, cos);
         let close = |a: f64, b: f64| (a - b).abs() <= 1e-15 * (1.0 + b.abs());
-        assert!(close(met(0.3, &|_| 0.7), 0.7 / cos));
-        assert!(close(met(0.3, &|_| -0.7), -0.7 / cos));
-        assert_eq!(met(0.3, &|_| 0.0), 0.0);
+        assert!(close(hit(0.3, &|_| 0.7), 0.7 / cos));
+        assert!(close(hit(0.3, &|_| -0.7), -0.7 / cos));
+        assert_eq!(hit(0.3, &|_| 0.0), 0.0);
         // 1/2 + (s/2)² = s cos at the first of two places.
-        assert!(close(met(0.0, &|x| 0.5 + x * x), 2.0 * (cos - 0.25_f64.sqrt())));
+        assert!(close(hit(0.0, &|x| 0.5 + x * x), 2.0 * (cos - 0.25_f64.sqrt())));
         // A slope of 2 climbs faster than the line; downwards it is met.
-        assert!(met(0.0, &|x| 1.0 + 2.0 * x).is_nan());
-        assert!(close(met(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
-        assert!(close(met(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
+        assert!(hit(0.0, &|x| 1.0 + 2.0 * x).is_nan());
+        assert!(close(hit(0.0, &|x| 1.0 - 2.0 * x), 1.0 / (cos + 1.0)));
+        assert!(close(hit(0.0, &|x| (x - 0.25).abs()), 0.25 / (cos + 0.5)));
         // There is no surface beyond 1, neither for the first step nor at the intersection.
         let ends = |h: f64| move |x: f64| if x < 1.0 { h - x } else { f64::NAN };
-        assert!(close(met(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && met(0.0, &ends(9.0)).is_nan());
+        assert!(close(hit(0.0, &ends(2.0)), 2.0 / (cos + 0.5)) && hit(0.0, &ends(9.0)).is_nan());
         assert!(crossing(|s| 1.0 + s, 0.0).is_nan() && crossing(|_| f64::NAN, 1.0).is_nan());
     }
 }

@@ -99,9 +99,9 @@ impl Tree {
     }
 
     /// Creates the tree of items of which each has one or more boxes, with the items' numbers.
-    pub(super) fn of_parts(parts: &[(Bounds, usize)]) -> Self {
-        let mut tree = Tree::new(&parts.iter().map(|part| part.0).collect::<Vec<_>>());
-        tree.things.iter_mut().for_each(|k| *k = parts[*k].1);
+    pub(super) fn of_boxes(boxes: &[(Bounds, usize)]) -> Self {
+        let mut tree = Tree::new(&boxes.iter().map(|part| part.0).collect::<Vec<_>>());
+        tree.things.iter_mut().for_each(|k| *k = boxes[*k].1);
         tree
     }
 
@@ -110,7 +110,7 @@ impl Tree {
     fn build(&mut self, all: &[Bounds], first: usize, end: usize) {
         let things = &mut self.things[first..end];
         let bounds = things.iter().fold(Bounds::of(&[]), |bounds, &k| bounds.with(&all[k]));
-        let (place, leaf) = (self.boxes.len(), end - first <= LEAF);
+        let (index, leaf) = (self.boxes.len(), end - first <= LEAF);
         self.boxes.push(Node { bounds, next: 0, first, count: if leaf { end - first } else { 0 } });
         if !leaf {
             let spread = Bounds::of(&things.iter().map(|&k| [0, 1, 2].map(|c| all[k].centre(c))).collect::<Vec<_>>());
@@ -121,7 +121,7 @@ impl Tree {
             self.build(all, first, first + half);
             self.build(all, first + half, end);
         }
-        self.boxes[place].next = self.boxes.len();
+        self.boxes[index].next = self.boxes.len();
     }
 
     fn things(&self, node: &Node) -> impl Iterator<Item = usize> {
@@ -183,9 +183,9 @@ mod tests {
         let tree = Tree::new(&bounds);
         assert_eq!(Tree::new(&[]).things.len(), 0);
         for k in [0, 17, 500, 999] {
-            let mut met = Vec::new();
-            tree.along([at(k)[0] + 0.2, 0.0, at(k)[2] + 0.1], [0.0, 1.0, 0.0], 0.0, |thing| met.push(thing));
-            assert!(met.contains(&k) && met.len() < 3 * LEAF, "{met:?}");
+            let mut found = Vec::new();
+            tree.along([at(k)[0] + 0.2, 0.0, at(k)[2] + 0.1], [0.0, 1.0, 0.0], 0.0, |thing| found.push(thing));
+            assert!(found.contains(&k) && found.len() < 3 * LEAF, "{found:?}");
             let (mut looked, mut best) = (0, (f64::INFINITY, n));
             let x = at(k).map(|c| c + 0.6);
             tree.near(x, |thing| {

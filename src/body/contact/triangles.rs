@@ -92,16 +92,16 @@ fn cover(corners: &[[f64; 3]; 3], extent: f64, add: &mut impl FnMut(Bounds)) {
 }
 
 /// Returns the bits of a point, for exact comparison; + 0.0 turns -0 into 0.
-fn place(x: [f64; 3]) -> [u64; 3] {
+fn key(x: [f64; 3]) -> [u64; 3] {
     x.map(|c| (c + 0.0).to_bits())
 }
 
 /// Returns the corners of a triangle rotated to begin with the least one; the orientation is kept.
 fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
-    let mut places = corners.map(place);
-    let least = (0..3).min_by_key(|k| places[*k]).unwrap_or(0);
-    places.rotate_left(least);
-    places
+    let mut keys = corners.map(key);
+    let least = (0..3).min_by_key(|k| keys[*k]).unwrap_or(0);
+    keys.rotate_left(least);
+    keys
 }
 
 impl Triangles {
@@ -127,7 +127,7 @@ impl Triangles {
         let mut numbers = HashMap::new();
         for (corners, normal) in corners.iter().zip(&normals) {
             points.push([0, 1, 2].map(|k| {
-                let number = *numbers.entry(place(corners[k])).or_insert(vertices.len());
+                let number = *numbers.entry(key(corners[k])).or_insert(vertices.len());
                 if number == vertices.len() {
                     vertices.push(Feature::default());
                 }
@@ -138,12 +138,12 @@ impl Triangles {
             }));
         }
         let extent = Bounds::of(corners.as_flattened()).extent();
-        let mut parts = Vec::with_capacity(corners.len());
-        corners.iter().enumerate().for_each(|(t, corners)| cover(corners, extent, &mut |part| parts.push((part, t))));
+        let mut boxes = Vec::with_capacity(corners.len());
+        corners.iter().enumerate().for_each(|(t, corners)| cover(corners, extent, &mut |part| boxes.push((part, t))));
         let mut surface = Triangles {
             sides: Vec::new(),
             edges: Vec::new(),
-            tree: Tree::of_parts(&parts),
+            tree: Tree::of_boxes(&boxes),
             extent,
             corners,
             normals,
@@ -271,10 +271,10 @@ impl Triangles {
     /// Returns the holes of the surface and the cracks of at most the width `reach` (m). Openings within rounding do
     /// not count.
     pub(super) fn holes(&self, reach: f64) -> Vec<Hole> {
-        let (holes, rest): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
+        let (holes, others): (Vec<_>, Vec<_>) = self.rims().into_iter().partition(|rim| self.is_hole(rim));
         let along_crack =
-            |rim: Vec<Side>| rim.into_iter().filter(|side| self.goes_on_beyond(side, reach)).collect::<Vec<_>>();
-        holes.into_iter().chain(rest.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
+            |rim: Vec<Side>| rim.into_iter().filter(|side| self.continues_across(side, reach)).collect::<Vec<_>>();
+        holes.into_iter().chain(others.into_iter().map(along_crack)).filter_map(|rim| Hole::around(&rim)).collect()
     }
 
     /// Returns the rims: closed paths along sides that belong to only one triangle.
@@ -321,13 +321,13 @@ impl Triangles {
         width > 2.0 * CRACK * self.extent && into > INTO * 2.0 * norm(area)
     }
 
-    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `reach` (m) away, with a
-    /// crack between them.
-    fn goes_on_beyond(&self, side: &Side, reach: f64) -> bool {
-        let across = |way: f64| self.nearest(plus(side.middle(), way, side.off)).map(|(distance, _)| distance.abs());
+    /// Returns `true` if another part of the surface is beyond the side of a rim, at most `distance_limit` (m) away,
+    /// with a crack between them.
+    fn continues_across(&self, side: &Side, distance_limit: f64) -> bool {
+        let across = |step: f64| self.nearest(plus(side.middle(), step, side.off)).map(|(distance, _)| distance.abs());
         // The triangles beside a narrower crack meet what is in front of it.
         let is_open = across(PAST * CRACK * self.extent).is_none();
-        is_open && across(reach).is_some_and(|distance| distance < 0.5 * reach)
+        is_open && across(distance_limit).is_some_and(|distance| distance < 0.5 * distance_limit)
     }
 }
 
@@ -438,13 +438,13 @@ mod tests {
         let rim = |k: usize| [at(k).1, at(k).0, 0.1 * at(3 * k).1];
         let fan = Triangles::new((0..n).map(|k| [[0.0, 0.0, 0.5], rim(k), rim(k + 1)]).collect()).unwrap();
         for x in [[0.31, 0.44, 0.0], [-0.6, 0.6, 0.0], [0.2, -0.71, 0.3]] {
-            let mut seen = HashSet::new();
+            let mut visited = HashSet::new();
             fan.tree.along(x, [0.0, 0.0, -1.0], 0.0, |t| {
-                seen.insert(t);
+                visited.insert(t);
             });
-            assert!(seen.len() < n / 20, "{} of {n}", seen.len());
+            assert!(visited.len() < n / 20, "{} of {n}", visited.len());
             let found = fan.entry(x, [0.0, 0.0, -1.0]).unwrap();
-            assert!(seen.contains(&found.triangle));
+            assert!(visited.contains(&found.triangle));
             let nearest = |t: &[[f64; 3]; 3]| norm(minus(nearest_of(t, x).0, x));
             let least = fan.corners.iter().map(nearest).fold(f64::INFINITY, f64::min);
             assert!((fan.nearest(x).unwrap().0.abs() - least).abs() < 1e-12);

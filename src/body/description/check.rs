@@ -101,8 +101,8 @@ impl Contact {
         }
         if let Some(history) = &self.friction_history {
             check_points("friction_history", "factor", history)?;
-            let sound = history.iter().all(|point| point[1] >= 0.0);
-            ensure(sound, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
+            let is_valid = history.iter().all(|point| point[1] >= 0.0);
+            ensure(is_valid, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
         }
         match &self.against {
             Against::Boundary(opposite) => self.check_opposite(opposite),

@@ -26,8 +26,8 @@ impl Kinks<'_> {
     /// Describes the history, for example as `the load on top`, with coordinates in `units`.
     pub fn history(&self, units: &UnitSystem) -> String {
         match &self.of {
-            History::Load(load) => format!("the load on {}", load.action.place(units)),
-            History::Support(support) => format!("the support of {}", support.at.place(units)),
+            History::Load(load) => format!("the load on {}", load.action.location(units)),
+            History::Support(support) => format!("the support of {}", support.at.location(units)),
             History::Pretension(pretension) => format!("the pretension {}", pretension.name),
             History::Lock(pretension) => format!("the lock of the pretension {}", pretension.name),
             History::Friction(boundary) => format!("the friction at {boundary}"),
@@ -96,7 +96,7 @@ mod tests {
         };
         let mut given = Description::new(MeshSource::block([1.0; 2], [1; 2]), Material::new(1.0, 0.3), vec![0.5, 1.0])
             .support("left", &[Axis::X])
-            .held(Support::new("right", &[Axis::X]).moved(&[1.0]).over(&there_and_back(0.1)))
+            .with_support(Support::new("right", &[Axis::X]).moved(&[1.0]).over(&there_and_back(0.1)))
             .contact("bottom", 0.4, obstacle)
             .load(Load::new("top", &[0.0, -1.0]).over(&there_and_back(0.2)));
         given.supports[0].history = Some(there_and_back(0.9));

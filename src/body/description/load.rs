@@ -117,10 +117,10 @@ impl Action {
     }
 
     /// Describes what the load acts on, with coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
             Action::Traction { boundary, .. } | Action::Pressure { boundary, .. } => boundary.clone(),
-            Action::Force { at, .. } => at.place(units),
+            Action::Force { at, .. } => at.location(units),
             Action::Moment { coupling, .. } => coupling.clone(),
             Action::Acceleration(_) | Action::Spin { .. } | Action::Temperature(_) => "the body".to_string(),
         }
@@ -129,12 +129,12 @@ impl Action {
     fn check(&self) -> Result<(), InputError> {
         match self {
             Action::Traction { traction, .. } => {
-                let sound = (2..=3).contains(&traction.len());
-                let sound = sound && traction.iter().filter_map(Field::uniform).all(f64::is_finite);
+                let is_valid = (2..=3).contains(&traction.len());
+                let is_valid = is_valid && traction.iter().filter_map(Field::uniform).all(f64::is_finite);
                 let given: Vec<String> = traction.iter().map(Field::to_string).collect();
                 let (must, help) =
                     ("two or three finite numbers or formulas", "give one for each axis, not nan or inf");
-                if !sound {
+                if !is_valid {
                     let message = format!("traction is [{}], but must be {must}", given.join(", "));
                     return Err(InputError::new("traction", message, help));
                 }
@@ -167,7 +167,7 @@ impl Where {
     }
 
     /// Returns the name of the boundary, or the coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
             Where::Boundary(name) | Where::Coupling(name) => name.clone(),
             Where::Point(point) => format!("{:?}", units.coordinates(&point.components()[..point.dimension()])),
@@ -184,15 +184,15 @@ impl Where {
 
 /// Checks that there are two or three finite numbers.
 pub(super) fn components(key: &str, values: &[f64]) -> Result<(), InputError> {
-    let sound = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
-    ensure(sound, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
+    let is_valid = (2..=3).contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(is_valid, key, &values, "two or three finite numbers", "give one for each axis, not nan or inf")?;
     not_huge(key, values.iter().copied())
 }
 
 /// Checks that there is one finite number, about z, or that there are three.
 pub(super) fn axial(key: &str, values: &[f64]) -> Result<(), InputError> {
-    let sound = [1, 3].contains(&values.len()) && values.iter().all(|x| x.is_finite());
-    ensure(sound, key, &values, "one or three finite numbers", "give one about z in the plane, three in space")?;
+    let is_valid = [1, 3].contains(&values.len()) && values.iter().all(|x| x.is_finite());
+    ensure(is_valid, key, &values, "one or three finite numbers", "give one about z in the plane, three in space")?;
     not_huge(key, values.iter().copied())
 }
 

@@ -103,8 +103,8 @@ impl Opposite {
         }
         if let Some(direction) = self.direction {
             let length = norm(direction.components());
-            let sound = length > 0.0 && length.is_finite();
-            ensure(sound, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
+            let is_valid = length > 0.0 && length.is_finite();
+            ensure(is_valid, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
         }
         if let Some(shift) = self.shift {
             components("shift", &shift.components())?;

@@ -99,9 +99,9 @@ impl Pretension {
             return Err(InputError::new("lock", "a prescribed shortening cannot be locked", help));
         }
         let end = description.end();
-        let sound = lock > 0.0 && lock < end;
+        let is_valid = lock > 0.0 && lock < end;
         let help = "give a time within the history, or remove lock";
         let must = format!("above 0 and below the end of the history, {end}");
-        ensure(sound, "lock", &lock, &must, help)
+        ensure(is_valid, "lock", &lock, &must, help)
     }
 }

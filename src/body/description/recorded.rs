@@ -80,8 +80,8 @@ impl Probe {
                     each("from", from)?;
                     each("to", to)?;
                     let help = "the ends count; use output.fields for the whole body";
-                    let sound = (2..=MAX_POINTS).contains(&count);
-                    ensure(sound, &key("points"), &count, "at least 2 and at most 10000", help)?;
+                    let is_valid = (2..=MAX_POINTS).contains(&count);
+                    ensure(is_valid, &key("points"), &count, "at least 2 and at most 10000", help)?;
                     if from == to {
                         let message = "the line from a point to itself has no length";
                         return Err(InputError::new(key("to"), message, "give point = [x, y] for a single point"));

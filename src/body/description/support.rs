@@ -107,15 +107,15 @@ impl Support {
             match along {
                 Direction::Axis(_) => {}
                 Direction::Normal => {
-                    let sound = matches!(self.at, Where::Boundary(_));
+                    let is_valid = matches!(self.at, Where::Boundary(_));
                     let help = "name a boundary, or give a direction";
-                    ensure(sound, "fix", &"normal", "an axis where a single point is held", help)?;
+                    ensure(is_valid, "fix", &"normal", "an axis where a single point is held", help)?;
                 }
                 Direction::Along(vector) => direction("direction", *vector)?,
                 Direction::Rotation(_) => {
-                    let sound = matches!(self.at, Where::Coupling(_));
+                    let is_valid = matches!(self.at, Where::Coupling(_));
                     let help = "name a coupling, whose reference point can turn, or remove the rotation";
-                    ensure(sound, "fix", &"rotation", "x, y, z or normal where there is no coupling", help)?;
+                    ensure(is_valid, "fix", &"rotation", "x, y, z or normal where there is no coupling", help)?;
                 }
             }
         }
@@ -159,9 +159,9 @@ impl Bed {
     }
 
     /// Describes what the spring acts on, with coordinates in `units`.
-    pub fn place(&self, units: &UnitSystem) -> String {
+    pub fn location(&self, units: &UnitSystem) -> String {
         match self {
-            Bed::Axes { at, .. } => at.place(units),
+            Bed::Axes { at, .. } => at.location(units),
             Bed::Rotational { coupling: name, .. } | Bed::Surface { boundary: name, .. } => name.clone(),
         }
     }
@@ -178,8 +178,8 @@ impl Bed {
     pub(super) fn check(&self) -> Result<(), InputError> {
         let help = "give stiffnesses of 0 or more, not all of them 0";
         let stiff = |key: &str, values: &[f64]| {
-            let sound = values.iter().all(|k| *k >= 0.0) && values.iter().any(|k| *k > 0.0);
-            ensure(sound, key, &values, "0 or more, and not 0 throughout", help)
+            let is_valid = values.iter().all(|k| *k >= 0.0) && values.iter().any(|k| *k > 0.0);
+            ensure(is_valid, key, &values, "0 or more, and not 0 throughout", help)
         };
         match self {
             Bed::Axes { at, stiffness } => {

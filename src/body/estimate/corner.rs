@@ -78,10 +78,10 @@ impl<'a> Corners<'a> {
             ((self.gaps[j] - self.gaps[i]) / length).atan()
         };
         let neighbours = self.graph.neighbours[i].iter().copied();
-        let (inside, beyond): (Vec<usize>, Vec<usize>) = neighbours.partition(|&j| closed(j));
+        let (inside, outside): (Vec<usize>, Vec<usize>) = neighbours.partition(|&j| closed(j));
         let steepest =
             |nodes: &[usize], sign: f64| nodes.iter().map(|&j| (j, sign * slope(j))).max_by(|a, b| a.1.total_cmp(&b.1));
-        let Some((outer, falls)) = steepest(&beyond, 1.0) else { return false };
+        let Some((outer, falls)) = steepest(&outside, 1.0) else { return false };
         let (inner, runs) = steepest(&inside, -1.0).map_or((None, 0.0), |(inner, runs)| (Some(inner), runs));
         let turns = falls - runs.max(0.0);
         match self.sharpest_turn(i, inner, outer) {
@@ -103,7 +103,7 @@ impl<'a> Corners<'a> {
             before.map(|(j, share)| beside(j, share)).chain([at]).chain(shares().map(|share| beside(outer, share)));
         let points: Vec<[f64; 3]> = line.collect();
         let outward = model.contacts[i].facing.normal;
-        let gap = |x: &[f64; 3]| model.see(boundary, *time, *x, [0.0; 3], outward).distance;
+        let gap = |x: &[f64; 3]| model.nearest_obstacle(boundary, *time, *x, [0.0; 3], outward).distance;
         let gaps: Vec<f64> = points.iter().map(gap).collect();
         let slopes: Vec<f64> = (points.windows(2).zip(gaps.windows(2)))
             .map(|(x, gap)| ((gap[1] - gap[0]) / norm(minus(x[1], x[0]))).atan())

@@ -58,8 +58,8 @@ impl ContactGraph {
         }
         // A surface goes on across glue and the end of a period.
         let seams = Seams::new(model);
-        let beyond: Vec<Vec<usize>> = (0..n).map(|i| seams.beyond(model, i)).collect();
-        for (i, j) in beyond.iter().enumerate().filter_map(|(i, beyond)| Some((i, *beyond.first()?))) {
+        let tied: Vec<Vec<usize>> = (0..n).map(|i| seams.tied(model, i)).collect();
+        for (i, j) in tied.iter().enumerate().filter_map(|(i, tied)| Some((i, *tied.first()?))) {
             link(i, j);
             if let (Some(b), Some(c)) = (first_of[i], first_of[j]) {
                 together.join(b, c);
@@ -82,12 +82,12 @@ impl ContactGraph {
                     let ends = [facet[k], facet[(k + 1) % facet.len()]];
                     let mut side = ends.map(|node| seams.carriers(node, &own));
                     let goes_on = |(node, at): (&usize, &Vec<usize>)| match contact.get(node) {
-                        Some(&i) => !beyond[i].is_empty() || alike(*node) != *node && touching.contains(&alike(*node)),
+                        Some(&i) => !tied[i].is_empty() || alike(*node) != *node && touching.contains(&alike(*node)),
                         None => !at.is_empty(),
                     };
                     if seams.has(ends) && ends.iter().zip(&side).all(goes_on) {
                         let at = side.concat();
-                        let all = at.iter().flat_map(|&i| beyond[i].iter().copied().chain([i])).collect::<Vec<_>>();
+                        let all = at.iter().flat_map(|&i| tied[i].iter().copied().chain([i])).collect::<Vec<_>>();
                         on_seams.extend(all.iter().flat_map(|&i| all.iter().map(move |&j| [i, j])));
                         if side.iter().any(|at| at.len() > 1) {
                             continue;
@@ -117,9 +117,9 @@ impl ContactGraph {
             (0..n).map(|i| graph[i].len() < 2 && !mirrored[i]).collect()
         } else {
             let mut rim = vec![false; n];
-            let alone = |at: &Vec<usize>| Some(at[0]).filter(|_| at.len() == 1);
+            let only_node = |at: &Vec<usize>| Some(at[0]).filter(|_| at.len() == 1);
             for (side, _) in sides.iter().filter(|(_, facets)| **facets == 1) {
-                let [a, b] = side.each_ref().map(alone);
+                let [a, b] = side.each_ref().map(only_node);
                 if !a.zip(b).is_some_and(|(a, b)| on_seams.contains(&[a, b])) {
                     a.into_iter().chain(b).for_each(|i| rim[i] = !mirrored[i]);
                 }
@@ -167,27 +167,27 @@ impl ContactGraph {
 
     /// Returns the contact nodes that are closed by the forces `p_n` (N) and have no closed neighbour.
     pub(crate) fn isolated(&self, p_n: &[f64]) -> impl Iterator<Item = usize> {
-        let alone = |i: &usize| p_n[*i] > 0.0 && self.neighbours[*i].iter().all(|&j| p_n[j] <= 0.0);
-        (0..self.neighbours.len()).filter(alone)
+        let is_isolated = |i: &usize| p_n[*i] > 0.0 && self.neighbours[*i].iter().all(|&j| p_n[j] <= 0.0);
+        (0..self.neighbours.len()).filter(is_isolated)
     }
 
     /// Returns the connected components of `nodes`, each in ascending order.
-    pub(super) fn parts(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
+    pub(super) fn components(&self, nodes: &[usize]) -> Vec<Vec<usize>> {
         let mut left: BTreeSet<usize> = nodes.iter().copied().collect();
-        let mut parts = Vec::new();
+        let mut components = Vec::new();
         while let Some(first) = left.pop_first() {
-            let mut part = vec![first];
+            let mut component = vec![first];
             let mut next = 0;
-            while next < part.len() {
-                let beside = self.neighbours[part[next]].iter().copied();
+            while next < component.len() {
+                let beside = self.neighbours[component[next]].iter().copied();
                 let new: Vec<usize> = beside.filter(|i| left.remove(i)).collect();
-                part.extend(new);
+                component.extend(new);
                 next += 1;
             }
-            part.sort_unstable();
-            parts.push(part);
+            component.sort_unstable();
+            components.push(component);
         }
-        parts
+        components
     }
 
     /// Returns the number of edges from each of `nodes` to the nearest other node of the surface; the rim does not
@@ -250,7 +250,7 @@ impl Seams {
     }
 
     /// Returns the contact nodes to which contact node `i` is tied and whose normals are about its own.
-    fn beyond(&self, model: &Model, i: usize) -> Vec<usize> {
+    fn tied(&self, model: &Model, i: usize) -> Vec<usize> {
         let own = &model.contacts[i];
         let goes_on = |other: &ContactNode| dot(own.facing.normal, other.facing.normal) > CORNER.cos();
         let others = |node: usize| model.contacts.iter().enumerate().filter(move |(_, other)| other.node == node);

@@ -42,10 +42,10 @@ impl HertzContact {
     /// Computes the Hertz contact for the forces `p_n` (N) at `time` (s) on the `closed` contact nodes of a flat
     /// surface, if the obstacle in front of its node `peak` is a cylinder or a sphere.
     pub(super) fn under(model: &Model, time: f64, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
-        let met = |i: usize| model.met(i, time).map(|(k, _)| k);
-        let obstacle = met(peak)?;
+        let assigned = |i: usize| model.assigned(i, time).map(|(k, _)| k);
+        let obstacle = assigned(peak)?;
         let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
-        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| met(i) == Some(obstacle)).collect();
+        let nodes: Vec<usize> = closed.iter().copied().filter(|&i| assigned(i) == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contacts[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {

@@ -59,10 +59,10 @@ fn continuation(kind: CellKind, geometry: Geometry) -> Vec<[f64; COLUMNS]> {
     }
     // There are as many points as nodes. The nodal values are those whose interpolation has the values at the points,
     // where the shape functions are independent.
-    let sound = solve(&mut rows).is_some();
+    let is_solved = solve(&mut rows).is_some();
     let of_node = |row: &[f64; COLUMNS]| {
         weights[..kind.nodes()].copy_from_slice(&row[kind.nodes()..2 * kind.nodes()]);
-        if sound { weights } else { [f64::NAN; COLUMNS] }
+        if is_solved { weights } else { [f64::NAN; COLUMNS] }
     };
     rows.iter().map(of_node).collect()
 }
@@ -105,8 +105,8 @@ impl Polynomial {
         if samples.len() < count + SPARE {
             return None;
         }
-        let reach = |c: usize| samples.iter().map(|(x, _)| (x[c] - about[c]).abs()).fold(0.0, f64::max);
-        let size = [0, 1, 2].map(|c| if c < dimension { reach(c) } else { 1.0 });
+        let extent = |c: usize| samples.iter().map(|(x, _)| (x[c] - about[c]).abs()).fold(0.0, f64::max);
+        let size = [0, 1, 2].map(|c| if c < dimension { extent(c) } else { 1.0 });
         if size.contains(&0.0) {
             return None;
         }

@@ -97,8 +97,8 @@ impl Patch {
         if positions.len() < count + spare {
             return None;
         }
-        let reach = |c: usize| positions.iter().map(|x| (x[c] - about[c]).abs()).fold(0.0, f64::max);
-        let size = [0, 1, 2].map(|c| if c < dimension && count > 1 { reach(c) } else { 1.0 });
+        let extent = |c: usize| positions.iter().map(|x| (x[c] - about[c]).abs()).fold(0.0, f64::max);
+        let size = [0, 1, 2].map(|c| if c < dimension && count > 1 { extent(c) } else { 1.0 });
         if size.contains(&0.0) {
             return None;
         }
@@ -202,31 +202,31 @@ impl<'a> Search<'a> {
     }
 
     /// Adds the patch of `cells` about a place, if its polynomial is determined.
-    fn patch(&mut self, place: usize, cells: Vec<usize>, count: usize, at_points: bool) -> Option<usize> {
+    fn patch(&mut self, corner: usize, cells: Vec<usize>, count: usize, at_points: bool) -> Option<usize> {
         let mesh = &self.model.mesh;
         for &e in &cells {
             if self.points[e].shares.is_empty() {
                 self.points[e] = Points::new(mesh, &self.kinds, e);
             }
         }
-        let patch = Patch::new(cells, at_points, count, mesh.nodes[self.at[place].0], mesh, &self.points)?;
+        let patch = Patch::new(cells, at_points, count, mesh.nodes[self.at[corner].0], mesh, &self.points)?;
         self.patches.push(patch);
         Some(self.patches.len() - 1)
     }
 
     /// Returns the patch of an inner corner.
-    fn of_inner(&mut self, place: usize) -> Option<usize> {
-        if self.known[place].is_none() {
-            self.known[place] = self.patch(place, self.around[place].clone(), self.count, self.quadratic);
+    fn of_inner(&mut self, corner: usize) -> Option<usize> {
+        if self.known[corner].is_none() {
+            self.known[corner] = self.patch(corner, self.around[corner].clone(), self.count, self.quadratic);
         }
-        self.known[place]
+        self.known[corner]
     }
 
     /// Returns the patches of a corner: its own in the interior; elsewhere those of the inner corners beside it, or of
     /// those beside these. A part that is too thin for inner corners has a larger patch for each corner, with the
     /// integration points of its cells if their means do not determine the polynomial, and at last their mean.
-    fn of_corner(&mut self, place: usize) -> Vec<usize> {
-        let mut corners = BTreeSet::from([place]);
+    fn of_corner(&mut self, corner: usize) -> Vec<usize> {
+        let mut corners = BTreeSet::from([corner]);
         for _ in 0..RINGS {
             let inner: Vec<usize> = corners.iter().copied().filter(|&corner| self.inner[corner]).collect();
             let patches: Vec<usize> = inner.into_iter().filter_map(|corner| self.of_inner(corner)).collect();
@@ -236,21 +236,21 @@ impl<'a> Search<'a> {
             corners = self.beside(&corners);
         }
         // Strains that are constant along a triangle scatter from cell to cell.
-        let kind = self.model.mesh.cells[self.at[place].1].kind;
+        let kind = self.model.mesh.cells[self.at[corner].1].kind;
         let scatter = matches!(kind, CellKind::Triangle | CellKind::Tetrahedron | CellKind::Prism);
-        let own = BTreeSet::from([place]);
+        let own = BTreeSet::from([corner]);
         let first = if scatter { self.beside(&own) } else { own };
         for at_points in [self.quadratic, true] {
             let mut corners = first.clone();
             for _ in 0..LAYERS {
                 let cells: BTreeSet<usize> = corners.iter().flat_map(|&corner| &self.around[corner]).copied().collect();
-                if let Some(patch) = self.patch(place, cells.into_iter().collect(), self.count, at_points) {
+                if let Some(patch) = self.patch(corner, cells.into_iter().collect(), self.count, at_points) {
                     return vec![patch];
                 }
                 corners = self.beside(&corners);
             }
         }
-        self.patch(place, self.around[place].clone(), 1, true).into_iter().collect()
+        self.patch(corner, self.around[corner].clone(), 1, true).into_iter().collect()
     }
 }
 

@@ -153,7 +153,7 @@ impl ContactEstimate {
             let of = zones.iter().filter(|(_, across)| across.is_some_and(|across| across <= few));
             of.fold(0.0, |all, (zone, _)| all + sum(zone)) / force
         };
-        let alone = zones.iter().filter(|(zone, _)| zone.len() == 1).fold(0.0, |all, (zone, _)| all + sum(zone));
+        let isolated = zones.iter().filter(|(zone, _)| zone.len() == 1).fold(0.0, |all, (zone, _)| all + sum(zone));
         let pressures = model.contact_pressures(state);
         let pressure = |i: usize| pressures[i];
         let patch = |i: usize| graph.patch_pressure(model, p_n, i);
@@ -191,7 +191,7 @@ impl ContactEstimate {
             closed: closed.len(),
             zones: zones.len(),
             nodes_across: *nodes_across,
-            isolated_share: alone / force,
+            isolated_share: isolated / force,
             unresolved_share: share(NOTHING),
             element_size: element_size(model, graph, peak),
             peak_pressure,
@@ -220,7 +220,7 @@ fn zones(model: &Model, graph: &ContactGraph, surface: &[usize], p_n: &[f64]) ->
         let across = across(&zone);
         (zone, across)
     };
-    graph.parts(&closed).into_iter().map(with).collect()
+    graph.components(&closed).into_iter().map(with).collect()
 }
 
 /// Returns the zone of contact node `i` with the number of nodes across it.
@@ -261,12 +261,12 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
     let ratio = |&i: &usize| {
         let (node, from) = (model.contacts[i].node, model.contacts[i].position);
         let inside = minus(from, model.contacts[*graph.neighbours[i].first()?].position);
-        let beyond = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
+        let outside = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
             .flat_map(|cell| cell.nodes.iter().map(|&other| minus(model.mesh.nodes[other], from)))
             .filter(|beyond| norm(*beyond) > 0.0 && dot(unit(*beyond), unit(inside)) > STRAIGHT)
             .map(norm)
             .reduce(f64::min)?;
-        Some((beyond / norm(inside)).max(norm(inside) / beyond))
+        Some((outside / norm(inside)).max(norm(inside) / outside))
     };
     zone.iter().filter(|i| graph.is_at_the_rim(**i)).filter_map(ratio).reduce(f64::max)
 }
@@ -365,7 +365,7 @@ pub(crate) struct SlipZones {
 
 impl SlipZones {
     /// Adds the slip of a converged increment.
-    pub(crate) fn see(&mut self, model: &Model, graph: &ContactGraph, step: &IncrementView<'_>) {
+    pub(crate) fn observe(&mut self, model: &Model, graph: &ContactGraph, step: &IncrementView<'_>) {
         let IncrementView { increment, state, statuses, .. } = step;
         let work_of = |i: &usize| {
             let slip = model.problem.slip(increment, state, *i);
@@ -379,7 +379,7 @@ impl SlipZones {
         let both: Vec<usize> = nodes_that(ContactStatus::Stick).chain(slipping.iter().copied()).collect();
         // The number of edges from each slipping node to the nearest sticking node.
         let depths = graph.depths(&both, &slipping);
-        for zone in graph.parts(&slipping) {
+        for zone in graph.components(&slipping) {
             let work: f64 = zone.iter().map(work_of).sum();
             self.work += work;
             if let Some(across) = zone.iter().filter_map(|i| depths.get(i)).max() {

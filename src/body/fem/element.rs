@@ -96,9 +96,9 @@ const FLAT: f64 = 1e-12;
 /// `None` if the cell is inverted or degenerate: the determinant is not positive, within rounding.
 pub fn gradients(kind: CellKind, point: [f64; 3], nodes: &[[f64; 3]]) -> Option<(Vec<[f64; 3]>, f64)> {
     let Jacobian { local, rows, cofactors, determinant: det } = Jacobian::new(kind, point, nodes);
-    let sound = det > FLAT * rows.iter().map(|&row| norm(row)).product::<f64>();
+    let is_regular = det > FLAT * rows.iter().map(|&row| norm(row)).product::<f64>();
     let along = |d: [f64; 3], c: usize| dot(d, cofactors.map(|column| column[c])) / det;
-    sound.then(|| (local.into_iter().map(|d| [0, 1, 2].map(|c| along(d, c))).collect(), det))
+    is_regular.then(|| (local.into_iter().map(|d| [0, 1, 2].map(|c| along(d, c))).collect(), det))
 }
 
 /// A point counts as on the axis if its radius is below this share of the largest radius of the cell.

@@ -76,7 +76,7 @@ fn point(mesh: &Mesh, facet: &[usize], at: [f64; 3], weight: f64) -> Point {
         return Point { along, weight: weight * mesh.geometry.depth(sum(&shape)), shape };
     }
     let kind = kind_of(facet);
-    let all = |value: &dyn Fn(usize) -> f64| (0..facet.len()).map(|k| value(place(kind, k))).collect::<Vec<f64>>();
+    let all = |value: &dyn Fn(usize) -> f64| (0..facet.len()).map(|k| value(order(kind, k))).collect::<Vec<f64>>();
     let (values, gradients) = (shape(kind, at), local_gradients(kind, at));
     Point { shape: all(&|k| values[k]), along: [0, 1].map(|r| sum(&all(&|k| gradients[k][r]))), weight }
 }
@@ -92,7 +92,7 @@ fn kind_of(facet: &[usize]) -> CellKind {
 
 /// Returns the number, in a face of this kind, of node `k` of a facet; in a facet, nodes between corners are listed
 /// between these corners.
-fn place(kind: CellKind, k: usize) -> usize {
+fn order(kind: CellKind, k: usize) -> usize {
     if kind.is_quadratic() { k / 2 + kind.corners() * (k % 2) } else { k }
 }
 
@@ -165,7 +165,7 @@ pub fn facet_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     let normal = |k: usize| {
         let at = match (mesh.dimension, kind_of(facet)) {
             (2, _) => [0.5 * k as f64, 0.0, 0.0],
-            (_, kind) => kind.reference_node(place(kind, k)),
+            (_, kind) => kind.reference_node(order(kind, k)),
         };
         let [along, across] = point(mesh, facet, at, 1.0).along;
         unit(cross(along, across)).map(|c| norm(area) * c)

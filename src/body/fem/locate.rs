@@ -154,8 +154,8 @@ mod tests {
             assert!((0..3).all(|c| (found[c] - reference[c]).abs() < 1e-12), "{kind:?}: {found:?}");
             // Corners belong to the cell; a point beyond a side does not, at any distance.
             assert!(corners.iter().all(|&corner| reference_point(kind, &nodes, corner).is_some()), "{kind:?}");
-            let beyond = flat(if triangular { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
-            assert_eq!(reference_point(kind, &nodes, place(beyond)), None, "{kind:?}");
+            let outside = flat(if triangular { [-1e-6, 0.3, 0.1] } else { [1.0 + 1e-6, 0.0, 0.0] });
+            assert_eq!(reference_point(kind, &nodes, place(outside)), None, "{kind:?}");
             assert_eq!(reference_point(kind, &nodes, flat([90.0, -40.0, 7.0])), None, "{kind:?}");
         }
     }

@@ -63,13 +63,13 @@ impl NodalVolumes {
         let mut known = HashMap::new();
         for (e, (cell, law)) in mesh.cells.iter().zip(laws).enumerate() {
             let corners = if Self::take(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
-            let mut place = |corner: &usize| {
+            let mut index = |corner: &usize| {
                 *known.entry((*corner, law)).or_insert_with(|| {
                     all.volumes.push(NodalVolume { bulk: material(e).bulk(), ..NodalVolume::default() });
                     all.volumes.len() - 1
                 })
             };
-            let at_corners: Vec<usize> = corners.iter().map(&mut place).collect();
+            let at_corners: Vec<usize> = corners.iter().map(&mut index).collect();
             let nodes = mesh.points(&cell.nodes);
             let rule = quadrature_of(cell.kind, mesh.geometry, &nodes);
             let points = CellPoint::all(cell.kind, mesh.geometry, &nodes, &rule);
@@ -150,12 +150,12 @@ impl NodalVolume {
     fn add(&mut self, share: f64, nodes: &[usize], point: &CellPoint) {
         self.volume += share;
         for (k, node) in nodes.iter().enumerate() {
-            let place = self.nodes.iter().position(|other| other == node).unwrap_or_else(|| {
+            let index = self.nodes.iter().position(|other| other == node).unwrap_or_else(|| {
                 self.nodes.push(*node);
                 self.gradients.push([0.0; 3]);
                 self.nodes.len() - 1
             });
-            self.gradients[place].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
+            self.gradients[index].iter_mut().zip(point.dilatation(k)).for_each(|(sum, g)| *sum += share * g);
         }
     }
 

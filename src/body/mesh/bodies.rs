@@ -33,7 +33,7 @@ impl Bodies {
     }
 
     /// Returns the name of body `k` for messages: its name if there are several, otherwise "the body".
-    pub fn told(&self, k: usize) -> String {
+    pub fn label(&self, k: usize) -> String {
         if self.are_several() { format!("`{}`", self.names[k]) } else { "the body".to_string() }
     }
 
@@ -112,9 +112,9 @@ fn numbered(names: &[String]) -> Vec<String> {
         counts.entry(name).or_default().0 += 1;
     }
     let number = |name: &String| match counts.get_mut(name.as_str()) {
-        Some((2.., met)) => {
-            *met += 1;
-            format!("{name} {met}")
+        Some((2.., count)) => {
+            *count += 1;
+            format!("{name} {count}")
         }
         _ => name.clone(),
     };
@@ -126,9 +126,9 @@ pub(super) fn of_body(mut mesh: Mesh, name: &str, at: Option<Vector>) -> Mesh {
     if let Some(at) = at {
         mesh.nodes.iter_mut().for_each(|x| *x = plus(*x, 1.0, at.components()));
     }
-    let alone = matches!(&mesh.groups[..], [one] if one == "body");
+    let is_default = matches!(&mesh.groups[..], [one] if one == "body");
     for group in &mut mesh.groups {
-        *group = if alone || group.is_empty() { name.to_string() } else { format!("{name}:{group}") };
+        *group = if is_default || group.is_empty() { name.to_string() } else { format!("{name}:{group}") };
     }
     for boundary in &mut mesh.boundaries {
         boundary.name = format!("{name}:{}", boundary.name);

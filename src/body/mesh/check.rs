@@ -258,8 +258,8 @@ impl Mesh {
                 return Err(MeshFault::MixedOrders { elements: (numbers.cells[first], numbers.cells[e]) });
             }
         }
-        let is = |e: &usize, sound: fn(f64, f64) -> bool| {
-            self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| sound(volume, NEGLIGIBLE * size))
+        let is = |e: &usize, is_valid: fn(f64, f64) -> bool| {
+            self.corner_volumes(&self.cells[*e]).iter().any(|&(volume, size)| is_valid(volume, NEGLIGIBLE * size))
         };
         let inverted = named(&mut (0..self.cells.len()).filter(|e| is(e, |volume, least| volume < -least)));
         none(inverted, MeshFault::Inverted)?;
@@ -446,8 +446,8 @@ impl Mesh {
         let outline = Outline::new(&self.cells);
         for Boundary { name, facets } in &self.boundaries {
             let numbered: Vec<_> = facets.iter().cloned().enumerate().collect();
-            let sound: HashSet<_> = outline.boundary(name, &numbered)?.facets.into_iter().map(from_least).collect();
-            if let Some(element) = facets.iter().position(|facet| !sound.contains(&from_least(facet.clone()))) {
+            let expected: HashSet<_> = outline.boundary(name, &numbered)?.facets.into_iter().map(from_least).collect();
+            if let Some(element) = facets.iter().position(|facet| !expected.contains(&from_least(facet.clone()))) {
                 return Err(MeshFault::TurnedFacet { boundary: name.clone(), element });
             }
         }

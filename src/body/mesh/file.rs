@@ -203,7 +203,7 @@ fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec
         });
     }
     let (mut cells, mut numbers, mut groups) = (Vec::new(), Vec::new(), Vec::<String>::new());
-    let mut places = HashMap::new();
+    let mut index_of = HashMap::new();
     for Block { kind, groups: names, elements } in &file.blocks {
         let ElementKind::Cell(kind) = *kind else { continue };
         if kind.dimension() < dimension {
@@ -216,7 +216,7 @@ fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec
         if names.len() > 1 && !notes.combined.iter().any(|(known, _)| *known == group) {
             notes.combined.push((group.clone(), names.clone()));
         }
-        let group = *places.entry(group).or_insert_with_key(|group| {
+        let group = *index_of.entry(group).or_insert_with_key(|group| {
             groups.push(group.clone());
             groups.len() - 1
         });
@@ -296,10 +296,10 @@ fn turn_over(mesh: &mut Mesh) {
 /// Adds a boundary for each group of facets that can be a boundary.
 fn boundaries(mesh: &mut Mesh, file: &RawMesh) {
     let mut named: Vec<(String, Vec<(usize, Facet)>)> = Vec::new();
-    let mut places = HashMap::new();
+    let mut index_of = HashMap::new();
     for block in file.blocks.iter().filter(|block| block.kind.dimension() + 1 == mesh.dimension) {
         for name in &block.groups {
-            let k = *places.entry(name).or_insert_with(|| {
+            let k = *index_of.entry(name).or_insert_with(|| {
                 named.push((name.clone(), Vec::new()));
                 named.len() - 1
             });

@@ -29,7 +29,7 @@ pub fn shape(kind: CellKind, point: [f64; 3]) -> Vec<f64> {
             l.iter().map(|l| l * (2.0 * l - 1.0)).chain(middles).collect()
         }
         Functions::Serendipity => {
-            let of = |k: usize| product(kind, k, point, false) * beyond(kind, k, point);
+            let of = |k: usize| product(kind, k, point, false) * edge_factor(kind, k, point);
             (0..kind.nodes()).map(of).collect()
         }
         Functions::Multiquadratic => (0..kind.nodes()).map(|k| product(kind, k, point, true)).collect(),
@@ -76,7 +76,7 @@ fn slope(kind: CellKind, k: usize, point: [f64; 3], quadratic: bool, along: usiz
 
 /// Returns `Σ ξ_c ξ_ac - d + 1`, the factor of a corner of a square or cube that makes its function 0 at the middles of
 /// its edges; 1 for other nodes.
-fn beyond(kind: CellKind, k: usize, point: [f64; 3]) -> f64 {
+fn edge_factor(kind: CellKind, k: usize, point: [f64; 3]) -> f64 {
     if k >= kind.corners() {
         return 1.0;
     }
@@ -141,9 +141,9 @@ pub(crate) fn local_gradients(kind: CellKind, point: [f64; 3]) -> Vec<[f64; 3]> 
         Functions::Multiquadratic => (0..kind.nodes()).map(|k| slopes(k, true)).collect(),
         Functions::Serendipity => {
             let of = |k: usize| {
-                let (rest, slopes, corner) = (beyond(kind, k, point), slopes(k, false), kind.reference_node(k));
+                let (factor, slopes, corner) = (edge_factor(kind, k, point), slopes(k, false), kind.reference_node(k));
                 let own = if k < corners { product(kind, k, point, false) } else { 0.0 };
-                [0, 1, 2].map(|c| rest * slopes[c] + own * corner[c])
+                [0, 1, 2].map(|c| factor * slopes[c] + own * corner[c])
             };
             (0..kind.nodes()).map(of).collect()
         }

@@ -84,8 +84,8 @@ impl Mesh {
         }
         let mut part_at: Vec<Option<usize>> = vec![None; self.nodes.len()];
         let (node, own) = self.cells.iter().enumerate().find_map(|(e, cell)| {
-            let part = joined.least(e);
-            let meets = |&node: &usize| *part_at[node].get_or_insert(part) != part;
+            let component = joined.least(e);
+            let meets = |&node: &usize| *part_at[node].get_or_insert(component) != component;
             Some((cell.nodes.iter().copied().find(meets)?, body[e]))
         })?;
         let cells = (0..self.cells.len()).filter(|&e| body[e] == own && joined.least(e) == e).collect();
@@ -151,10 +151,10 @@ impl Outline {
     /// ordered consecutively.
     pub(super) fn boundary(&self, name: &str, facets: &[(usize, Facet)]) -> Result<Boundary, MeshFault> {
         let boundary = || name.to_string();
-        let mut taken = HashMap::new();
+        let mut of_edge = HashMap::new();
         let mut outwards = Vec::with_capacity(facets.len());
         for (number, nodes) in facets {
-            if let Some(first) = taken.insert(sorted(nodes), *number) {
+            if let Some(first) = of_edge.insert(sorted(nodes), *number) {
                 return Err(MeshFault::RepeatedFacet { boundary: boundary(), elements: (first, *number) });
             }
             match self.outer.get(&sorted(nodes)) {
@@ -176,13 +176,13 @@ fn in_a_row(edges: &[Facet]) -> Vec<Facet> {
     let end = |edge: &Facet| edge[edge.len() - 1];
     let ends: std::collections::HashSet<usize> = edges.iter().map(end).collect();
     let begins = |k: &usize| !ends.contains(&edges[*k][0]);
-    let mut taken = vec![false; edges.len()];
+    let mut used = vec![false; edges.len()];
     let mut row = Vec::with_capacity(edges.len());
     // Open chains are first, from their beginnings; closed chains follow.
     for first in (0..edges.len()).filter(begins).chain(0..edges.len()) {
         let mut next = Some(first);
-        while let Some(k) = next.filter(|&k| !taken[k]) {
-            taken[k] = true;
+        while let Some(k) = next.filter(|&k| !used[k]) {
+            used[k] = true;
             row.push(edges[k].clone());
             next = from.get(&end(&edges[k])).copied();
         }
@@ -212,7 +212,7 @@ mod tests {
     }
 
     /// Returns the block with only the cells `kept`.
-    fn part<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
+    fn submesh<const D: usize>(size: &[f64; D], elements: &[usize; D], kept: &[usize]) -> Mesh {
         let whole = block(size, elements);
         Mesh { cells: kept.iter().map(|&e| whole.cells[e].clone()).collect(), ..whole }
     }
@@ -239,17 +239,17 @@ mod tests {
 
     #[test]
     fn what_meets_in_a_node_or_an_edge_is_a_joint() {
-        let corner = part(&[2.0, 2.0], &[2, 2], &[0, 3]);
+        let corner = submesh(&[2.0, 2.0], &[2, 2], &[0, 3]);
         assert_eq!(joint(&corner), Some((vec![0, 1], 4)));
-        assert_eq!(joint(&part(&[2.0, 2.0], &[2, 2], &[0, 3, 1])), None);
+        assert_eq!(joint(&submesh(&[2.0, 2.0], &[2, 2], &[0, 3, 1])), None);
         // Cells without common nodes are different bodies, not a joint.
-        assert_eq!(joint(&part(&[3.0, 1.0], &[3, 1], &[0, 2])), None);
-        assert_eq!(joint(&part(&[4.0, 2.0], &[4, 2], &[0, 5, 3])), Some((vec![0, 1], 6)));
+        assert_eq!(joint(&submesh(&[3.0, 1.0], &[3, 1], &[0, 2])), None);
+        assert_eq!(joint(&submesh(&[4.0, 2.0], &[4, 2], &[0, 5, 3])), Some((vec![0, 1], 6)));
         let cube: [(&[usize], Option<usize>); 4] =
             [(&[0, 7], Some(13)), (&[0, 3], Some(4)), (&[0, 3, 7], Some(4)), (&[0, 1, 3], None)];
         for (kept, node) in cube {
             let expected = node.map(|node| (vec![0, 1], node));
-            assert_eq!(joint(&part(&[1.0; 3], &[2; 3], kept)), expected, "{kept:?}");
+            assert_eq!(joint(&submesh(&[1.0; 3], &[2; 3], kept)), expected, "{kept:?}");
         }
     }
 

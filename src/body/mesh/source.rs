@@ -276,8 +276,8 @@ fn check_size(size: &[Vec<f64>]) -> Result<(), InputError> {
     if !(2..=3).contains(&size.len()) {
         return Err(no_dimension(size));
     }
-    let sound = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
-    ensure(sound, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
+    let is_valid = size.iter().all(|axis| !axis.is_empty() && axis.iter().all(|&x| x > 0.0 && x.is_finite()));
+    ensure(is_valid, "mesh.size", &Axes(size.to_vec()), "positive finite lengths", LENGTHS)?;
     size.iter().flatten().try_for_each(|&length| positive("mesh.size", length, LENGTHS))
 }
 
@@ -289,9 +289,9 @@ fn no_dimension(size: &[Vec<f64>]) -> InputError {
 
 /// Checks that a list has a value for each length in `size`.
 fn like_size<T: Clone + fmt::Debug>(key: &str, values: &[Vec<T>], size: &[Vec<f64>]) -> Result<(), InputError> {
-    let sound = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
+    let is_valid = values.iter().map(Vec::len).eq(size.iter().map(Vec::len));
     let help = "mesh.size says how many segments there are along each axis";
-    ensure(sound, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
+    ensure(is_valid, key, &Axes(values.to_vec()), "a number for each length in mesh.size", help)
 }
 
 fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -> Result<(), InputError> {
@@ -301,20 +301,20 @@ fn check_block(axes: &[Vec<Segment>], cells: CellKind, origin: Option<Vector>) -
     check_size(&each(axes, |segment| segment.length))?;
     let elements = Axes(each(axes, |segment| segment.elements));
     let help = "give the numbers of elements along each axis";
-    let sound = elements.0.iter().flatten().all(|&n| n > 0);
-    ensure(sound, "mesh.elements", &elements, "numbers of at least 1", help)?;
+    let is_valid = elements.0.iter().flatten().all(|&n| n > 0);
+    ensure(is_valid, "mesh.elements", &elements, "numbers of at least 1", help)?;
     let along = |axis: &Vec<usize>| axis.iter().try_fold(0_usize, |sum, &n| sum.checked_add(n));
     let all = elements.0.iter().try_fold(1_usize, |all, axis| all.checked_mul(along(axis)?));
     let few = all.is_some_and(|n| n <= MAX_ELEMENTS);
     ensure(few, "mesh.elements", &elements, "at most 50 million in all", "use a coarser mesh")?;
     let grading = Axes(each(axes, |segment| segment.grading));
     let help = "give the size of the last element over that of the first, along each axis";
-    let sound = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
-    ensure(sound, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
+    let is_valid = grading.0.iter().flatten().all(|ratio| (1e-6..=1e6).contains(ratio));
+    ensure(is_valid, "mesh.grading", &grading, "ratios from 1e-6 to 1e6", help)?;
     if let Some(origin) = origin {
-        let sound = origin.dimension() == axes.len() && origin.components().iter().all(|c| c.is_finite());
+        let is_valid = origin.dimension() == axes.len() && origin.components().iter().all(|c| c.is_finite());
         let help = "give the lowest corner of the block, such as [0.1, 0]";
-        ensure(sound, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
+        ensure(is_valid, "mesh.origin", &origin, "a finite number for each axis of mesh.size", help)?;
         not_huge("mesh.origin", origin.components())?;
     }
     if cells.dimension() == axes.len() {
@@ -412,10 +412,10 @@ fn check_bodies(bodies: &[Body]) -> Result<(), InputError> {
         mesh.check().map_err(|fault| fault.with_key(&format!("body[{k}]")))?;
         let dimension = mesh.nodes().map(|(_, dimension)| dimension);
         if let Some(at) = at {
-            let sound = at.components().iter().all(|c| c.is_finite());
-            let sound = sound && dimension.is_none_or(|dimension| dimension == at.dimension());
+            let is_valid = at.components().iter().all(|c| c.is_finite());
+            let is_valid = is_valid && dimension.is_none_or(|dimension| dimension == at.dimension());
             let help = "give where the origin of the body's mesh is put, such as [0, 0.5]";
-            ensure(sound, &key("at"), at, "a finite number for each dimension of the body", help)?;
+            ensure(is_valid, &key("at"), at, "a finite number for each dimension of the body", help)?;
             not_huge(&key("at"), at.components())?;
         }
         let known = dimension.or(at.map(Vector::dimension));

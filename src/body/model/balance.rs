@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 use super::Model;
-use super::support::Moved;
+use super::support::PrescribedMotion;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::constraints::{Dofs, HeldRows};
-use crate::body::contact::{Facing, Term};
+use crate::body::contact::{ContactNode, Facing, Term};
 use crate::body::description::{Coupling, Description};
 use crate::body::fem::{NodalForces, Spring};
 use crate::body::mesh::{Geometry, Mesh};
@@ -99,7 +99,7 @@ pub(super) struct Statics {
     springs: Vec<Vec<Spring>>,
     loads: Vec<UnitLoad>,
     /// The nodes of each support, spring or foundation, and load.
-    places: [Vec<Vec<usize>>; 3],
+    nodes: [Vec<Vec<usize>>; 3],
     /// For each motion of supports, the forces of springs (N) on the nodes due to its rigid offset at factor 1.
     on_springs: Vec<NodalForces>,
 }
@@ -139,12 +139,12 @@ impl Statics {
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
         let of_loads = |forces: &NodalForces| forces.iter().map(|(node, _)| *node).collect();
-        let mut places: [Vec<Vec<usize>>; 3] = [
+        let mut nodes: [Vec<Vec<usize>>; 3] = [
             shares.iter().map(of_supports).collect(),
             springs.iter().map(of_springs).collect(),
             loads.iter().map(of_loads).collect(),
         ];
-        for nodes in places.iter_mut().flatten() {
+        for nodes in nodes.iter_mut().flatten() {
             for node in nodes.iter_mut() {
                 *node = dofs.translating(*node);
             }
@@ -153,7 +153,7 @@ impl Statics {
         }
         let loads = loads.iter().map(acting).collect();
         let on_springs = on_springs.iter().map(at_nodes).collect();
-        Statics { rows, shares, springs, loads, places, on_springs }
+        Statics { rows, shares, springs, loads, nodes, on_springs }
     }
 
     /// Returns all springs; foundations have one for each facet.
@@ -183,10 +183,10 @@ impl Model {
     /// Returns the displacements of all nodes, those of reference points last.
     pub(super) fn all_displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.strained(t, u);
-        let carried: Vec<[f64; 3]> = (0..self.carrying.groups).map(|group| self.carried(group, t)).collect();
-        if carried.iter().any(|carried| *carried != [0.0; 3]) {
+        let offsets: Vec<[f64; 3]> = (0..self.groups.count).map(|group| self.offset(group, t)).collect();
+        if offsets.iter().any(|offset| *offset != [0.0; 3]) {
             for (node, u) in all.iter_mut().enumerate() {
-                *u = plus(*u, 1.0, carried[self.carrying.of_node[node]]);
+                *u = plus(*u, 1.0, offsets[self.groups.of_node[node]]);
             }
         }
         all
@@ -201,23 +201,22 @@ impl Model {
     /// Returns the displacements of all nodes relative to the rigid offset by supports, to which gaps refer.
     pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
         let mut all = self.dofs.displacements(u);
-        for moved in &self.moved {
-            add(&mut all, moved.factor(t), moved.beyond.iter().copied().enumerate());
+        for motion in &self.prescribed {
+            add(&mut all, motion.factor(t), motion.deviation.iter().copied().enumerate());
         }
         all
     }
 
     /// Returns the rigid offset of the bodies of a group by supports at time `t` (s), m.
-    fn carried(&self, group: usize, t: f64) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.moved.iter().map(|moved| moved.factor(t) * moved.carried[group][c]).sum())
+    fn offset(&self, group: usize, t: f64) -> [f64; 3] {
+        [0, 1, 2].map(|c| self.prescribed.iter().map(|motion| motion.factor(t) * motion.offset[group][c]).sum())
     }
 
     /// Returns the prescribed displacement of contact node `i` along its normal beyond the rigid offset, m; its gap
     /// refers to this position.
-    pub(super) fn beyond(&self, i: usize, t: f64) -> f64 {
-        let contact = &self.contacts[i];
-        let beyond = |moved: &Moved| moved.factor(t) * dot(moved.beyond[contact.node], contact.facing.normal);
-        self.moved.iter().map(beyond).sum()
+    pub(super) fn normal_deviation(&self, i: usize, t: f64) -> f64 {
+        let ContactNode { node, facing, .. } = &self.contacts[i];
+        self.prescribed.iter().map(|motion| motion.factor(t) * dot(motion.deviation[*node], facing.normal)).sum()
     }
 
     /// Returns the displacement of contact node `i` by supports along its normal and its tangents at time `t` (s), in
@@ -227,17 +226,17 @@ impl Model {
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // A rigid offset of both bodies causes no relative motion.
-        let carried = if coupled { [0.0; 3] } else { self.carried(self.carrying.of_node[contact.node], t) };
-        let of = |moved: &Moved| {
+        let offset = if coupled { [0.0; 3] } else { self.offset(self.groups.of_node[contact.node], t) };
+        let of = |motion: &PrescribedMotion| {
             if coupled {
-                return moved.beyond_contact(&self.dofs, &self.carrying, contact);
+                return motion.deviation_of(&self.dofs, &self.groups, contact);
             }
-            directions.map(|n| dot(moved.beyond[contact.node], n))
+            directions.map(|n| dot(motion.deviation[contact.node], n))
         };
-        let mut sum = directions.map(|n| dot(carried, n));
-        for moved in &self.moved {
-            let (factor, beyond) = (moved.factor(t), of(moved));
-            (0..3).for_each(|c| sum[c] += factor * beyond[c]);
+        let mut sum = directions.map(|n| dot(offset, n));
+        for motion in &self.prescribed {
+            let (factor, deviation) = (motion.factor(t), of(motion));
+            (0..3).for_each(|c| sum[c] += factor * deviation[c]);
         }
         sum
     }
@@ -246,12 +245,12 @@ impl Model {
     /// `of_rows` (n_c) are the gaps of the rows, which on boundaries of second order combine several nodes.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
         let contact = &self.contacts[i];
-        let Some((k, facing)) = self.met(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
-        if contact.is_alone() {
+        let Some((k, facing)) = self.assigned(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
+        if contact.is_single() {
             return of_rows[i];
         }
         let (obstacle, motion) = &self.obstacles[k];
-        motion.exact_gap(obstacle, t, contact.position, &facing) - self.beyond(i, t)
+        motion.exact_gap(obstacle, t, contact.position, &facing) - self.normal_deviation(i, t)
     }
 
     /// Returns the force (N) of the body on the opposite side at contact node `i`, from the contact forces of `state`.
@@ -262,7 +261,7 @@ impl Model {
     /// Returns the total force (N) on the opposite side of all nodes in the rows of contact node `i`. On boundaries of
     /// second order the nodes have different normals.
     pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
-        if self.contacts[i].is_alone() {
+        if self.contacts[i].is_single() {
             return self.contact_force(state, i);
         }
         self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))
@@ -290,19 +289,19 @@ impl Model {
     /// Computes all forces on the body; the lengths of the state are not checked.
     pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs, .. } = &self.statics;
-        let (strained, rest) = if state.u_rest.is_empty() {
+        let (strained, u_rest) = if state.u_rest.is_empty() {
             (self.strained(t, &state.u), Vec::new())
         } else {
-            let (u, rest) = self.problem.strained(state);
-            (self.strained(t, &u), self.dofs.displacements(&rest))
+            let (u, u_rest) = self.problem.strained(state);
+            (self.strained(t, &u), self.dofs.displacements(&u_rest))
         };
-        let mut forces = rows.forces(&strained, &rest);
+        let mut forces = rows.forces(&strained, &u_rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {
             add(&mut forces, -factor, load.at_nodes.iter().copied());
         }
-        for (moved, at_nodes) in self.moved.iter().zip(on_springs) {
-            add(&mut forces, -moved.factor(t), at_nodes.iter().copied());
+        for (motion, at_nodes) in self.prescribed.iter().zip(on_springs) {
+            add(&mut forces, -motion.factor(t), at_nodes.iter().copied());
         }
         let geometry = self.mesh.geometry;
         let mut size = 0.0;
@@ -389,7 +388,7 @@ impl Model {
             let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
             sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
         };
-        self.statics.places.each_ref().map(|places| places.iter().map(mean).collect())
+        self.statics.nodes.each_ref().map(|nodes| nodes.iter().map(mean).collect())
     }
 
     /// Returns for each coupling the force and the moment about its reference point that the forces of all `[loads,

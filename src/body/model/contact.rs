@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::find;
 use super::glued_contact::carry_glued;
 use super::pair::Pairs;
-use super::support::{Carrying, Moved};
+use super::support::{PrescribedMotion, RigidGroups};
 use crate::algebra::null_space::{self, null_space};
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
@@ -13,8 +13,8 @@ use crate::base::timeline::within;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
 use crate::body::constraints::{Dofs, SAME_DIRECTION, merged};
 use crate::body::contact::{
-    ContactBoundary, ContactNode, Counterpart, Meeting, ObstacleMotion, PlacedObstacle, Row, Unclear, contact_nodes,
-    meetings, unreachable,
+    ContactBoundary, ContactNode, Counterpart, NodeObstacle, ObstacleMotion, PlacedObstacle, Row, Unclear,
+    contact_nodes, meetings, unreachable,
 };
 use crate::body::description::{Contact, Description};
 use crate::body::mesh::{Boundary, Mesh, sorted};
@@ -30,9 +30,9 @@ struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
     dofs: &'a Dofs,
-    moved: &'a [Moved],
+    prescribed: &'a [PrescribedMotion],
     pairs: &'a Pairs,
-    carrying: &'a Carrying,
+    groups: &'a RigidGroups,
 }
 
 /// The contacts of a description.
@@ -56,16 +56,16 @@ impl Contacts {
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
-        moved: &[Moved],
+        prescribed: &[PrescribedMotion],
         pairs: &Pairs,
-        carrying: &Carrying,
+        groups: &RigidGroups,
     ) -> Result<Self, InputError> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
         edges_are_alike(description, mesh, pairs)?;
-        let body = ContactBody { description, mesh, dofs, moved, pairs, carrying };
+        let body = ContactBody { description, mesh, dofs, prescribed, pairs, groups };
         for k in 0..description.contacts.len() {
-            not_between_carried(description, mesh, dofs, k)?;
+            not_between_rigid(description, mesh, dofs, k)?;
             match pairs.of_contact(k) {
                 Some(pair) => contacts.add_pair(&body, k, pair)?,
                 None => contacts.add(&body, k)?,
@@ -103,7 +103,7 @@ impl Contacts {
             contact: k,
             nodes: (first..first + nodes.len()).collect(),
             weights: nodes.iter().map(|node| node.weight).collect(),
-            beyond: apart.len().saturating_sub(nodes.len()),
+            unreached: apart.len().saturating_sub(nodes.len()),
             obstacles: self.obstacles.len()..self.obstacles.len(),
             pair: Some(number),
         });
@@ -117,21 +117,21 @@ impl Contacts {
     }
 
     fn add(&mut self, body: &ContactBody<'_>, k: usize) -> Result<(), InputError> {
-        let ContactBody { description, mesh, dofs, moved, carrying, .. } = *body;
+        let ContactBody { description, mesh, dofs, prescribed, groups, .. } = *body;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
         for (_, motion) in &mut obstacles {
             // All bodies in front of one obstacle have the same rigid offset.
-            let group = boundary.nodes().first().map_or(0, |&node| carrying.of_node[node]);
-            for Moved { carried, history, .. } in moved {
-                motion.pass(carried[group], history);
+            let group = boundary.nodes().first().map_or(0, |&node| groups.of_node[node]);
+            for PrescribedMotion { offset, history, .. } in prescribed {
+                motion.pass(offset[group], history);
             }
         }
-        let met = met(contact, body, boundary, &obstacles, k)?;
-        let nodes = contact_nodes(mesh, dofs, boundary, &obstacles, &met);
+        let assigned = assigned(contact, body, boundary, &obstacles, k)?;
+        let nodes = contact_nodes(mesh, dofs, boundary, &obstacles, &assigned);
         if nodes.is_empty() {
-            let message = if met.len() < boundary.nodes().len() {
+            let message = if assigned.len() < boundary.nodes().len() {
                 format!("supports hold every node of `{}` that an obstacle reaches", contact.boundary)
             } else {
                 format!("supports hold every node of the contact boundary `{}`", contact.boundary)
@@ -146,7 +146,7 @@ impl Contacts {
             contact: k,
             nodes: Vec::with_capacity(nodes.len()),
             weights: Vec::with_capacity(nodes.len()),
-            beyond: boundary.nodes().len() - met.len(),
+            unreached: boundary.nodes().len() - assigned.len(),
             obstacles: first..self.obstacles.len(),
             pair: None,
         };
@@ -154,9 +154,9 @@ impl Contacts {
         let units = description.system(mesh.dimension);
         for node in nodes {
             let (mu, weight) = (friction(contact, &units, &node, k)?, node.weight);
-            let met = node.obstacle().unwrap_or(0);
+            let obstacle = node.obstacle().unwrap_or(0);
             let others = node.others.iter().map(|k| first + k).collect();
-            let node = ContactNode { counterpart: Counterpart::Obstacle(first + met), others, ..node };
+            let node = ContactNode { counterpart: Counterpart::Obstacle(first + obstacle), others, ..node };
             let i = self.add_node(node, mu, dofs, &contact.boundary, (&description.system(3), k))?;
             // Corners of a periodic body count as one node.
             let same = *places.entry(i).or_insert(own.nodes.len());
@@ -218,7 +218,7 @@ impl Contacts {
         };
         let earlier = &self.nodes[same];
         if dot(node.facing.normal, earlier.facing.normal) < 0.0 {
-            let place = units.place(node.position);
+            let place = units.point(node.position);
             let message =
                 format!("the node at {place} of `{name}` lies in front of two obstacles with opposite normals");
             let help = "give an obstacle another normal, or let the boundaries share no node";
@@ -276,7 +276,7 @@ fn share_no_facet(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Resu
             let Some(other) = whose.insert(sorted(facet), own) else { continue };
             let corners = facet.len() as f64;
             let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / corners, mesh.nodes[*node]));
-            let place = description.system(mesh.dimension).place(middle);
+            let place = description.system(mesh.dimension).point(middle);
             let message = format!("the boundaries `{other}` and `{own}` have the facet at {place} in common");
             let help = "let each facet be of one [[contact]]; several obstacles may be in front of one boundary";
             return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
@@ -302,7 +302,7 @@ fn edges_are_alike(description: &Description, mesh: &Mesh, pairs: &Pairs) -> Res
             let share = mesh.share_of_ends(facet);
             for [_, middle, _] in mesh.bent_edges(facet) {
                 if *shares.entry(middle).or_insert(share) != share {
-                    let place = description.system(mesh.dimension).place(mesh.nodes[middle]);
+                    let place = description.system(mesh.dimension).point(mesh.nodes[middle]);
                     let message =
                         format!("a triangle and a quadrilateral of second order with contact meet at {place}");
                     let help = "let the boundaries with contact be of triangles alone or of quadrilaterals alone, or use \
@@ -321,7 +321,7 @@ fn friction(contact: &Contact, units: &UnitSystem, node: &ContactNode, k: usize)
     if mu.is_finite() && mu >= 0.0 {
         return Ok(mu);
     }
-    let place = units.place(node.position);
+    let place = units.point(node.position);
     let message = format!("the friction is {mu} at the contact node at {place}, but must be 0 or more");
     Err(InputError::new(format!("contact[{k}].friction"), message, "mend the formula, such as by max(0, ...)"))
 }
@@ -346,21 +346,21 @@ fn placed(
 }
 
 /// Returns the nodes of contact `k`, each with the obstacle that it meets.
-fn met(
+fn assigned(
     contact: &Contact,
     body: &ContactBody<'_>,
     boundary: &Boundary,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
-) -> Result<Vec<Meeting>, InputError> {
-    let ContactBody { description, mesh, dofs, moved, .. } = *body;
+) -> Result<Vec<NodeObstacle>, InputError> {
+    let ContactBody { description, mesh, dofs, prescribed, .. } = *body;
     let name = &contact.boundary;
     let at_obstacle =
         |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);
     let units = description.system(mesh.dimension);
-    let place = |node: usize| units.place(mesh.nodes[node]);
+    let place = |node: usize| units.point(mesh.nodes[node]);
     let times = &description.times;
-    let met =
+    let assigned =
         meetings(mesh, boundary, obstacles, times).map_err(|Unclear { node, obstacle, time, why: (what, help) }| {
             let when = time.map_or(String::new(), |t| format!(" at t = {} s", six_digits(t)));
             at_obstacle(obstacle, format!("{what} the contact node at {}{when}", place(node)), help)
@@ -382,12 +382,12 @@ fn met(
         return Err(at_obstacle(0, message, help));
     }
     let is_met_later = |j: usize| {
-        let comes_nearest = |met: &Meeting| {
-            met.others.contains(&j) && times.iter().any(|t| met.nearest(obstacles, mesh.nodes[met.node], *t).0 == j)
+        let comes_nearest = |node: &NodeObstacle| {
+            node.others.contains(&j) && times.iter().any(|t| node.nearest(obstacles, mesh.nodes[node.node], *t).0 == j)
         };
-        met.iter().any(comes_nearest)
+        assigned.iter().any(comes_nearest)
     };
-    let is_met = |j: usize| met.iter().any(|met| met.obstacle == j) || is_met_later(j);
+    let is_met = |j: usize| assigned.iter().any(|node| node.obstacle == j) || is_met_later(j);
     if let Some(j) = (0..obstacles.len()).find(|j| !is_met(*j)) {
         let (message, help) = match obstacles.len() {
             1 => (
@@ -403,14 +403,14 @@ fn met(
         };
         return Err(at_obstacle(j, message, help));
     }
-    let start = |met: &Meeting| {
-        let (obstacle, motion) = &obstacles[met.obstacle];
-        motion.exact_gap(obstacle, 0.0, mesh.nodes[met.node], &met.facing)
+    let start = |node: &NodeObstacle| {
+        let (obstacle, motion) = &obstacles[node.obstacle];
+        motion.exact_gap(obstacle, 0.0, mesh.nodes[node.node], &node.facing)
     };
     for (j, (obstacle, _)) in obstacles.iter().enumerate() {
         let along = || mesh.nodes.iter().map(|x| dot(*x, obstacle.normal));
         let thickness = along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min);
-        let own = met.iter().filter(|met| met.obstacle == j);
+        let own = assigned.iter().filter(|node| node.obstacle == j);
         if let Some(deepest) = own.min_by(|a, b| start(a).total_cmp(&start(b)))
             && start(deepest) < -DEEPEST * thickness
         {
@@ -421,15 +421,15 @@ fn met(
             return Err(at_obstacle(j, message, "move the obstacle out, or the part of the motion before time 0"));
         }
     }
-    let beyond = |met: &Meeting, t: f64| {
-        moved.iter().map(|moved| moved.factor(t) * dot(moved.beyond[met.node], met.facing.normal)).sum()
+    let normal_deviation = |node: &NodeObstacle, t: f64| {
+        prescribed.iter().map(|motion| motion.factor(t) * dot(motion.deviation[node.node], node.facing.normal)).sum()
     };
-    if let Some(node) = unreachable(mesh, dofs, obstacles, &met, times, beyond) {
+    if let Some(node) = unreachable(mesh, dofs, obstacles, &assigned, times, normal_deviation) {
         let message = format!("supports hold the body where the obstacle is or comes to be, at {}", place(node));
         let help = "use a gap of at least 0, a shorter approach or fewer supports";
         return Err(InputError::new(format!("contact[{k}].boundary"), message, help));
     }
-    Ok(met)
+    Ok(assigned)
 }
 
 /// The cure for such a contact.
@@ -437,11 +437,11 @@ const HELP: &str =
     "end the coupled boundary before the contact, use a distributing coupling, or let one part be elastic";
 
 /// Fails if reference points carry every node of both sides of contact `k`.
-fn not_between_carried(description: &Description, mesh: &Mesh, dofs: &Dofs, k: usize) -> Result<(), InputError> {
+fn not_between_rigid(description: &Description, mesh: &Mesh, dofs: &Dofs, k: usize) -> Result<(), InputError> {
     let contact = &description.contacts[k];
-    let carried = |name: &String| mesh.boundary(name).is_some_and(|boundary| dofs.are_rigid(&boundary.nodes()));
-    let Some(opposite) = contact.opposite().filter(|_| carried(&contact.boundary)) else { return Ok(()) };
-    if !opposite.boundaries.iter().all(carried) {
+    let is_rigid = |name: &String| mesh.boundary(name).is_some_and(|boundary| dofs.are_rigid(&boundary.nodes()));
+    let Some(opposite) = contact.opposite().filter(|_| is_rigid(&contact.boundary)) else { return Ok(()) };
+    if !opposite.boundaries.iter().all(is_rigid) {
         return Ok(());
     }
     let message = format!("`{}` and the boundary against it are rigid by couplings", contact.boundary);
@@ -464,13 +464,13 @@ pub(super) fn determined(
             of_point.entry(point).or_default().push(i);
         }
     }
-    for carried in of_point.values() {
+    for nodes_of_point in of_point.values() {
         let rows = |&i: &usize| {
             let ContactNode { normal, tangents, .. } = &nodes[i];
             let tangents = tangents.iter().filter(move |row| mu[i] != 0.0 && !row.is_empty());
             std::iter::once(normal).chain(tangents)
         };
-        let rows: Vec<_> = carried.iter().flat_map(rows).collect();
+        let rows: Vec<_> = nodes_of_point.iter().flat_map(rows).collect();
         let mut columns = BTreeMap::new();
         for &(dof, _) in rows.iter().copied().flatten() {
             let next = columns.len();
@@ -485,11 +485,11 @@ pub(super) fn determined(
         if columns.len() - left == rows.len() {
             continue;
         }
-        let boundary = boundaries.iter().find(|boundary| carried.iter().any(|i| boundary.nodes.contains(i)));
+        let boundary = boundaries.iter().find(|boundary| nodes_of_point.iter().any(|i| boundary.nodes.contains(i)));
         let k = boundary.map_or(0, |boundary| boundary.contact);
         let message = format!(
             "a rigid coupling carries {} nodes in contact with a rigid obstacle, `{}` among them",
-            carried.len(),
+            nodes_of_point.len(),
             description.contacts[k].boundary,
         );
         return Err(InputError::new(format!("contact[{k}].boundary"), message, HELP));

@@ -57,13 +57,13 @@ impl Couplings {
     /// Creates the couplings of `description`.
     pub(super) fn new(description: &Description, mesh: &Mesh) -> Result<Self, InputError> {
         let mut couplings = Couplings { all: Vec::new(), of_mesh: mesh.nodes.len() };
-        let mut carried: BTreeMap<usize, &str> = BTreeMap::new();
+        let mut dependent: BTreeMap<usize, &str> = BTreeMap::new();
         let units = description.system(mesh.dimension);
         for (k, given) in description.couplings.iter().enumerate() {
             let coupled = couplings.coupled(given, mesh, k)?;
             for node in coupled.rigid().into_iter().flat_map(|(_, nodes)| nodes) {
-                if let Some(other) = carried.insert(node, &given.name) {
-                    let place = units.place(mesh.nodes[node]);
+                if let Some(other) = dependent.insert(node, &given.name) {
+                    let place = units.point(mesh.nodes[node]);
                     let message =
                         format!("the couplings `{other}` and `{}` both carry the node at {place}", given.name);
                     let help = "couple boundaries that share no node, or make one coupling of both";
@@ -72,7 +72,7 @@ impl Couplings {
             }
             couplings.all.push(coupled);
         }
-        if carried.len() == mesh.nodes.len() {
+        if dependent.len() == mesh.nodes.len() {
             let message = "couplings carry every node of the mesh, so that nothing is elastic";
             return Err(InputError::new("coupling[0].body", message, "leave one body elastic"));
         }
@@ -166,7 +166,7 @@ impl Couplings {
     }
 
     /// Returns all nodes that reference points carry.
-    pub(super) fn carried(&self) -> BTreeSet<usize> {
+    pub(super) fn dependent_nodes(&self) -> BTreeSet<usize> {
         self.each_rigid().flat_map(|(.., nodes)| nodes).collect()
     }
 

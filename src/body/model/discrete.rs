@@ -114,7 +114,7 @@ fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, Inp
     }
     let place = |nodes: &[usize]| {
         let furthest = nodes.iter().copied().min_by(|&a, &b| mesh.nodes[a][0].total_cmp(&mesh.nodes[b][0]));
-        furthest.map_or(String::new(), |node| description.system(2).place(mesh.nodes[node]))
+        furthest.map_or(String::new(), |node| description.system(2).point(mesh.nodes[node]))
     };
     let axisymmetric = Mesh::clone(&mesh).into_axisymmetric();
     axisymmetric.map(Arc::new).map_err(|fault| {
@@ -292,7 +292,7 @@ fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> 
     }
     let together: Vec<usize> = (0..bodies.count()).map(|k| together.least(k)).collect();
     let pair = |a: usize, b: usize| (of[a].min(of[b]), of[a].max(of[b]));
-    let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
+    let place = |node: usize| description.system(mesh.dimension).point(mesh.nodes[node]);
     let touching = mesh.touching_nodes(bodies);
     // Bodies connected through others may touch at a point or, in three dimensions, along an edge, but not over a side.
     let mut at: BTreeMap<(usize, usize), Vec<[f64; 3]>> = BTreeMap::new();
@@ -309,8 +309,8 @@ fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> 
         let (a, b) = pair(node, other);
         let message = format!(
             "the bodies {} and {} both have a node at {}, but nothing joins them",
-            bodies.told(a),
-            bodies.told(b),
+            bodies.label(a),
+            bodies.label(b),
             place(node)
         );
         let help = "let a [[contact]] with `against` join their boundaries, make one body of them in Gmsh (Coherence, or Coherence \
@@ -320,7 +320,7 @@ fn keep_apart(description: &Description, mesh: &Mesh) -> Result<(), InputError> 
     if let Some(overlap) = overlaps(mesh, bodies, |a, b| !contacts.contains(&(a.min(b), a.max(b)))).first() {
         let (inner, outer) = overlap.bodies;
         let message =
-            format!("the body {} is inside {}, at {}", bodies.told(inner), bodies.told(outer), place(overlap.node));
+            format!("the body {} is inside {}, at {}", bodies.label(inner), bodies.label(outer), place(overlap.node));
         let help = "move them apart, or let a [[contact]] with `against` press them out of each other";
         return Err(InputError::new(key(&description.mesh, bodies, inner.max(outer)), message, help));
     }

@@ -29,45 +29,45 @@ pub(super) fn carry_glued(
     (boundaries, own_mu): (&mut [ContactBoundary], &mut [Vec<f64>]),
     (pairs, obstacles): (&Pairs, &Obstacles),
 ) {
-    let carried: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(nodes, pairs, obstacles).into_iter().collect();
-    if carried.is_empty() {
+    let dependent: BTreeMap<usize, Vec<(usize, f64)>> = of_masters(nodes, pairs, obstacles).into_iter().collect();
+    if dependent.is_empty() {
         return;
     }
     let own: Vec<ContactNode> = nodes.clone();
-    for (&slave, masters) in &carried {
+    for (&slave, masters) in &dependent {
         for &(master, share) in masters {
             let to = &mut nodes[master];
             let weight = share * own[slave].weight;
             let all = to.weight + weight;
             mu[master] += (mu[slave] - mu[master]) * (weight / all);
-            to.take_up(&own[slave], weight / all);
+            to.blend(&own[slave], weight / all);
             to.weight = all;
         }
     }
     let mut numbers = vec![0; own.len()];
-    let mut kept = 0;
+    let mut count = 0;
     for (i, number) in numbers.iter_mut().enumerate() {
-        *number = kept;
-        kept += usize::from(!carried.contains_key(&i));
+        *number = count;
+        count += usize::from(!dependent.contains_key(&i));
     }
-    let mut place = 0..;
-    nodes.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
-    let mut place = 0..;
-    mu.retain(|_| place.next().is_none_or(|i| !carried.contains_key(&i)));
+    let mut numbers_of_nodes = 0..;
+    nodes.retain(|_| numbers_of_nodes.next().is_none_or(|i| !dependent.contains_key(&i)));
+    let mut numbers_of_mu = 0..;
+    mu.retain(|_| numbers_of_mu.next().is_none_or(|i| !dependent.contains_key(&i)));
     for (boundary, own_mu) in boundaries.iter_mut().zip(own_mu) {
         let (mut nodes, mut weights, mut mus) = (Vec::new(), Vec::<f64>::new(), Vec::<f64>::new());
-        let mut places = BTreeMap::new();
+        let mut index_of = BTreeMap::new();
         for ((&i, &weight), &mu) in boundary.nodes.iter().zip(&boundary.weights).zip(&*own_mu) {
-            let of_masters = carried.get(&i).cloned().unwrap_or_else(|| vec![(i, 1.0)]);
+            let of_masters = dependent.get(&i).cloned().unwrap_or_else(|| vec![(i, 1.0)]);
             for (to, share) in of_masters {
-                let place = *places.entry(to).or_insert(nodes.len());
-                if place == nodes.len() {
+                let index = *index_of.entry(to).or_insert(nodes.len());
+                if index == nodes.len() {
                     nodes.push(numbers[to]);
                     weights.push(0.0);
                     mus.push(mu);
                 }
-                weights[place] += share * weight;
-                mus[place] += (mu - mus[place]) * (share * weight / weights[place]);
+                weights[index] += share * weight;
+                mus[index] += (mu - mus[index]) * (share * weight / weights[index]);
             }
         }
         (boundary.nodes, boundary.weights, *own_mu) = (nodes, weights, mus);
@@ -109,7 +109,7 @@ fn meets_alike([a, b]: [&ContactNode; 2], pairs: &Pairs, obstacles: &Obstacles) 
 
 impl ContactNode {
     /// Adds `share` of the rows and the gap of `other` to the rest of the own ones, along the own tangents.
-    fn take_up(&mut self, other: &ContactNode, share: f64) {
+    fn blend(&mut self, other: &ContactNode, share: f64) {
         let mixed = |own: &Row, parts: &[(f64, &Row)]| {
             let scaled = |row: &Row, by: f64| row.iter().map(|&(dof, c)| (dof, by * c)).collect::<Row>();
             let all = parts.iter().map(|(by, row)| scaled(row, share * by));
@@ -119,8 +119,8 @@ impl ContactNode {
             self.facing.gap += share * (other.facing.gap - self.facing.gap);
         }
         let weighted = |term: Term, by: f64| Term { coefficient: by * term.coefficient, ..term };
-        let own = self.carried.iter().map(|term| weighted(*term, 1.0 - share));
-        self.carried = own.chain(other.terms().map(|term| weighted(term, share))).collect();
+        let own = self.dependent.iter().map(|term| weighted(*term, 1.0 - share));
+        self.dependent = own.chain(other.terms().map(|term| weighted(term, share))).collect();
         self.normal = mixed(&self.normal, &[(1.0, &other.normal)]);
         for k in 0..2 {
             if !self.tangents[k].is_empty() {

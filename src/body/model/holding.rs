@@ -38,7 +38,7 @@ fn holding(
 ) -> Result<Holding, InputError> {
     let (key, units) = (format!("support[{k}]"), description.system(mesh.dimension));
     let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
-    let place = support.at.place(&units);
+    let place = support.at.location(&units);
     let point = match &support.at {
         Where::Coupling(name) => Some(couplings.rigid(name, "the support", &key)?),
         _ => None,
@@ -100,7 +100,7 @@ fn holding(
         for &node in &nodes {
             let n = if *direction == Direction::Normal { normals_of[node] } else { Some(n) };
             let Some(n) = n else {
-                let at = units.place(mesh.nodes[node]);
+                let at = units.point(mesh.nodes[node]);
                 let message = format!("`{place}` has no normal at {at}: its facets there cancel each other");
                 return refused("fix", message, "give a direction, or fix axes");
             };
@@ -127,7 +127,7 @@ fn beside_axis(
     if to == 0.0 {
         return Ok(None);
     }
-    let place = units.place(mesh.nodes[node]);
+    let place = units.point(mesh.nodes[node]);
     let message = format!("the support moves the node at {place} aside, which is on the axis of the body");
     let help = "an axisymmetric body is not moved across its axis: leave the axis out, or move along y";
     Err(InputError::new(format!("{key}.displacement"), message, help))
@@ -177,7 +177,7 @@ pub(super) fn relations(
             let mut held = dofs.held(node).filter(|n| mesh.dimension == 3 || n[2] == 0.0);
             if held.any(|n| moves(node, n) || dofs.may_move(&relation, n, moves)) {
                 let coupling = &description.couplings[of];
-                let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+                let place = description.system(mesh.dimension).point(mesh.nodes[node]);
                 let message =
                     format!("a support holds the node at {place}, which the coupling `{}` moves", coupling.name);
                 let support = holdings.iter().position(|holding| holding.iter().any(|h| h.0 == node));

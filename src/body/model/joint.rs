@@ -153,7 +153,7 @@ impl Joints {
     }
 
     /// Fails if a node of the `slave` of contact `k` cannot follow its jump: a support holds it, or another relation
-    /// determines its displacement, as for the nodes `taken`.
+    /// determines its displacement, as for the nodes `used`.
     pub(super) fn may_follow(
         &self,
         description: &Description,
@@ -161,13 +161,13 @@ impl Joints {
         dofs: &Dofs,
         k: usize,
         slave: &Boundary,
-        taken: &BTreeSet<usize>,
+        used: &BTreeSet<usize>,
     ) -> Result<(), InputError> {
         let joint = self.of_contact(k).map(|joint| &self.all[joint]);
         let Some(Section { of, normal, .. }) = joint.and_then(|joint| joint.tightened) else { return Ok(()) };
         let periodic = description.contacts[k].opposite().is_some_and(|opposite| opposite.shift.is_some());
         let key = format!("pretension[{of}].boundary");
-        let place = |node: usize| description.system(mesh.dimension).place(mesh.nodes[node]);
+        let place = |node: usize| description.system(mesh.dimension).point(mesh.nodes[node]);
         for node in slave.nodes() {
             if dofs.held(node).any(|n| dot(n, normal).abs() > SAME_DIRECTION) {
                 let message = format!("a support holds the node of `{}` at {}, which moves", slave.name, place(node));
@@ -175,7 +175,7 @@ impl Joints {
                 return Err(InputError::new(key, message, help));
             }
             // The corners of bodies that are periodic along two axes belong to both.
-            if !periodic && taken.contains(&node) {
+            if !periodic && used.contains(&node) {
                 let message = format!(
                     "the node of `{}` at {} is also glued or coupled otherwise, so that it cannot move",
                     slave.name,

@@ -18,7 +18,7 @@ pub(super) struct Motions {
     /// The rates and their histories.
     pub rates: Vec<Motion>,
     /// The corrections of the linearised gaps at the ends of the increments.
-    pub bends: Vec<GapCorrection>,
+    pub gap_corrections: Vec<GapCorrection>,
     /// The obstacle that each node meets.
     pub nearest: Nearest,
 }
@@ -32,14 +32,14 @@ pub(super) fn motions(
     times: &[f64],
 ) -> Result<Motions, ProblemError> {
     let times: Vec<f64> = [0.0].into_iter().chain(times.iter().copied()).collect();
-    let (rates, mut bends) = of_first(contacts, obstacles, &times)?;
+    let (rates, mut gap_corrections) = of_first(contacts, obstacles, &times)?;
     if contacts.iter().all(|contact| contact.others.is_empty()) {
-        return Ok(Motions { rates, bends, nearest: Nearest::default() });
+        return Ok(Motions { rates, gap_corrections, nearest: Nearest::default() });
     }
-    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(rates.clone(), bends.clone())?;
+    let loading = Loading::new(Vec::new(), gap.to_vec())?.with_motions(rates.clone(), gap_corrections.clone())?;
     let (nearest, bend) = Nearest::new(contacts, obstacles, &times, &loading)?;
-    bends.extend(bend);
-    Ok(Motions { rates, bends, nearest })
+    gap_corrections.extend(bend);
+    Ok(Motions { rates, gap_corrections, nearest })
 }
 
 /// Computes the effect of the motion of one obstacle on the nodes that met it first. Nodes that met another obstacle
@@ -49,17 +49,17 @@ fn of_first(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     times: &[f64],
 ) -> Result<(Vec<Motion>, Vec<GapCorrection>), ProblemError> {
-    let (mut motions, mut bends) = (Vec::new(), Vec::new());
+    let (mut motions, mut gap_corrections) = (Vec::new(), Vec::new());
     for (k, (obstacle, motion)) in obstacles.iter().enumerate() {
-        let met: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
-        let (Some(&first), Some(&last)) = (met.first(), met.last()) else { continue };
+        let assigned: Vec<usize> = (0..contacts.len()).filter(|&i| contacts[i].obstacle() == Some(k)).collect();
+        let (Some(&first), Some(&last)) = (assigned.first(), assigned.last()) else { continue };
         // The nodes in the rows of each contact node.
-        let terms: Vec<Vec<Term>> = met.iter().map(|&i| contacts[i].terms().collect()).collect();
+        let terms: Vec<Vec<Term>> = assigned.iter().map(|&i| contacts[i].terms().collect()).collect();
         let all = || terms.iter().flatten();
         let (positions, facings): (Vec<[f64; 3]>, Vec<Facing>) = all().map(|term| (term.position, term.facing)).unzip();
         for (rates, history) in motion.rates(&positions, &facings) {
             let (mut gap, mut drift) = (vec![0.0; last + 1 - first], vec![[0.0; 2]; last + 1 - first]);
-            for ((&i, terms), own) in met.iter().zip(&terms).zip(by_row(&terms, &rates)) {
+            for ((&i, terms), own) in assigned.iter().zip(&terms).zip(by_row(&terms, &rates)) {
                 let sum = |rate: &dyn Fn(&Rates) -> f64| match own {
                     [one] => rate(one),
                     _ => own.iter().zip(terms).map(|(rates, term)| term.coefficient * rate(rates)).sum(),
@@ -68,26 +68,26 @@ fn of_first(
             }
             motions.push(Motion::new(first..last + 1, gap, drift, history)?);
         }
-        if let Some(of_nodes) = motion.bends(obstacle, &positions, &facings, times) {
+        if let Some(of_nodes) = motion.corrections(obstacle, &positions, &facings, times) {
             let of_rows = |(t, of_nodes): (&f64, Vec<f64>)| {
                 let mut gap = vec![0.0; last + 1 - first];
-                for ((&i, terms), own) in met.iter().zip(&terms).zip(by_row(&terms, &of_nodes)) {
-                    gap[i - first] = bend(&contacts[i], terms, own, (obstacle, motion), *t);
+                for ((&i, terms), own) in assigned.iter().zip(&terms).zip(by_row(&terms, &of_nodes)) {
+                    gap[i - first] = correction_of(&contacts[i], terms, own, (obstacle, motion), *t);
                 }
                 gap
             };
             let table = times.iter().zip(of_nodes).map(of_rows).collect();
-            bends.push(GapCorrection::new(first..last + 1, times.to_vec(), table)?);
+            gap_corrections.push(GapCorrection::new(first..last + 1, times.to_vec(), table)?);
         }
     }
-    Ok((motions, bends))
+    Ok((motions, gap_corrections))
 }
 
 /// Divides the values of all nodes into those of the nodes in each row.
-fn by_row<'a, T>(terms: &'a [Vec<Term>], mut rest: &'a [T]) -> impl Iterator<Item = &'a [T]> {
+fn by_row<'a, T>(terms: &'a [Vec<Term>], mut values: &'a [T]) -> impl Iterator<Item = &'a [T]> {
     terms.iter().map(move |terms| {
         let own;
-        (own, rest) = rest.split_at(terms.len());
+        (own, values) = values.split_at(terms.len());
         own
     })
 }
@@ -124,7 +124,7 @@ pub(super) fn passes(
 
 /// Returns the correction at time `t` (s) of the linearised gap of the rows of a contact node, m, from the corrections
 /// `own` at their nodes, `terms`.
-fn bend(
+fn correction_of(
     contact: &ContactNode,
     terms: &[Term],
     own: &[f64],
@@ -159,8 +159,8 @@ impl Nearest {
     /// always the first.
     fn at(&self, i: usize, t: f64) -> Option<usize> {
         let of_node = self.obstacles.get(&i)?;
-        let place = self.times.partition_point(|time| *time < t);
-        of_node.get(place).or(of_node.last()).copied()
+        let index = self.times.partition_point(|time| *time < t);
+        of_node.get(index).or(of_node.last()).copied()
     }
 
     /// Finds the nearest of `obstacles` to the `contacts` at each of `times` (s, from 0), and the corrections of gaps
@@ -208,10 +208,10 @@ impl Nearest {
                     gap[k][i - from] = contact.gap(&obstacles[first].0, &distances) - gaps[i];
                 }
                 // A node slides past each obstacle while that obstacle is the nearest.
-                let met = at[0].0;
+                let nearest = at[0].0;
                 drift[k][i - from] = drift[last][i - from];
-                if met != first {
-                    let [before, now] = [times[last], *t].map(|t| drift_past(contact, &obstacles[met], t));
+                if nearest != first {
+                    let [before, now] = [times[last], *t].map(|t| drift_past(contact, &obstacles[nearest], t));
                     for axis in 0..2 {
                         let of_first = own[axis][i] - own_before[axis][i];
                         drift[k][i - from][axis] += (now[axis] - before[axis]) - of_first;
@@ -220,9 +220,9 @@ impl Nearest {
             }
             own_before = own;
         }
-        let bend = GapCorrection::new(nodes, times.to_vec(), gap)?;
+        let correction = GapCorrection::new(nodes, times.to_vec(), gap)?;
         let slides = drift.iter().flatten().any(|drift| *drift != [0.0; 2]);
-        Ok((found, Some(if slides { bend.with_drift(drift)? } else { bend })))
+        Ok((found, Some(if slides { correction.with_drift(drift)? } else { correction })))
     }
 }
 
@@ -238,7 +238,7 @@ fn drift_past(contact: &ContactNode, (obstacle, motion): &(PlacedObstacle, Obsta
 impl Model {
     /// Returns the number of the obstacle that contact node `i` meets in the increment that ends at time `t` (s), and
     /// the obstacle as seen from the node; `None` in front of another body.
-    pub fn met(&self, i: usize, t: f64) -> Option<(usize, Facing)> {
+    pub fn assigned(&self, i: usize, t: f64) -> Option<(usize, Facing)> {
         let contact = &self.contacts[i];
         let first = contact.obstacle()?;
         Some(match self.nearest.at(i, t) {

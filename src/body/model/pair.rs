@@ -77,7 +77,7 @@ impl Pairs {
         materials: &[Elasticity],
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
-        let carried = holding::relations(couplings, description, mesh, dofs, holdings)?;
+        let relations = holding::relations(couplings, description, mesh, dofs, holdings)?;
         let in_pairs = |glued: bool| {
             let contacts = description.contacts.iter().enumerate();
             contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
@@ -87,20 +87,20 @@ impl Pairs {
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
         let moving = moving(description, holdings);
-        let carried_nodes = couplings.carried();
+        let dependent_nodes = couplings.dependent_nodes();
         let glue = |(k, opposite): (usize, &Opposite), slaves: &BTreeSet<String>, idle: &BTreeSet<usize>| {
             let first = find(mesh, &description.contacts[k].boundary, &format!("contact[{k}]"))?;
-            let is_fixed = |node: &usize| carried_nodes.contains(node) || dofs.held(*node).count() == 3;
+            let is_fixed = |node: &usize| dependent_nodes.contains(node) || dofs.held(*node).count() == 3;
             let sides = [first, &self::opposite(mesh, opposite, k)?];
             let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
-            let tied = if joins { idle } else { &idle.union(&carried_nodes).copied().collect() };
+            let tied = if joins { idle } else { &idle.union(&dependent_nodes).copied().collect() };
             let supports = OfNodes { dofs, tied, moving: &moving, joins };
             pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
         };
         let held_alone = |row: &MortarRow| held_alone(dofs, row);
         // A node that a support, a reference point or another row determines needs no row if the opposite side depends on
         // the same nodes.
-        let (mut bonds, mut pairs) = (Bonds::new(&carried), Pairs::default());
+        let (mut bonds, mut pairs) = (Bonds::new(&relations), Pairs::default());
         let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
         for contact in in_pairs(true) {
             let pair = glue(contact, &slaves, &BTreeSet::new())?;
@@ -126,14 +126,14 @@ impl Pairs {
         for (p, contact) in in_pairs(true).enumerate().filter(|(p, _)| !idle[*p].is_empty()) {
             pairs.all[p] = glue(contact, &slaves_before[p], &idle[p])?;
         }
-        let mut bonds = Bonds::new(&carried);
-        pairs.relative = carried;
-        let (mut first, mut later, mut taken) = (Vec::new(), Vec::new(), carried_nodes.clone());
+        let mut bonds = Bonds::new(&relations);
+        pairs.relative = relations;
+        let (mut first, mut later, mut used) = (Vec::new(), Vec::new(), dependent_nodes.clone());
         for (p, pair) in pairs.all.iter().enumerate() {
             let slave = find(mesh, &pair.slave, "contact")?;
-            joints.may_follow(description, mesh, dofs, pair.contact, slave, &taken)?;
+            joints.may_follow(description, mesh, dofs, pair.contact, slave, &used)?;
             for (r, row) in pair.mortar.rows.iter().enumerate() {
-                let is_free = taken.insert(row.node) && held_alone(row).is_empty();
+                let is_free = used.insert(row.node) && held_alone(row).is_empty();
                 if is_free { first.push((p, r)) } else { later.push((p, r)) }
             }
         }
@@ -142,7 +142,7 @@ impl Pairs {
             let row = &pair.mortar.rows[r];
             let relation = joints.with_jump(dofs, pair.contact, &pair.slave, row, relative(row, true));
             let solved = bonds.solved(dofs, relation, &held_alone(row)).map_err(|Apart| {
-                let place = description.system(mesh.dimension).place(mesh.nodes[row.node]);
+                let place = description.system(mesh.dimension).point(mesh.nodes[row.node]);
                 let message = format!(
                     "at {place}, supports or couplings determine both sides of the glued `{}`, each in its own way",
                     pair.slave
@@ -156,7 +156,7 @@ impl Pairs {
                 pairs.relative.push(solved);
             }
         }
-        for relation in pairs.relative.iter_mut().skip(carried_nodes.len()) {
+        for relation in pairs.relative.iter_mut().skip(dependent_nodes.len()) {
             *relation = bonds.resolved(dofs, relation);
         }
         // At both ends of a period, a contact has one row for the nodes that move alike, and none for others that are tied.
@@ -201,7 +201,7 @@ impl Pairs {
             }
         }
         dofs.relative_to(std::mem::take(&mut self.relative)).map_err(|ring| {
-            let place = description.system(mesh.dimension).place(mesh.nodes[ring.0]);
+            let place = description.system(mesh.dimension).point(mesh.nodes[ring.0]);
             let of = self.all.iter().find(|pair| pair.relative.values().any(|node| *node == ring.0));
             let k = of.map_or(0, |pair| pair.contact);
             let message =
@@ -357,7 +357,7 @@ fn pair(
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {
         let length = |x: f64| units.rounded(Quantity::Length, x, 4);
-        let message = fault.told(length, |at| units.place(at.components()));
+        let message = fault.message(length, |at| units.point(at.components()));
         InputError::new(format!("{key}.{}", fault.key()), message, fault.help())
     };
     let all_held = first.nodes().into_iter().all(|node| supports.held(node).len() == 3);
@@ -368,9 +368,9 @@ fn pair(
     let may_change = opposite.boundaries.len() == 1;
     let (mut mortar, choice) = if opposite.slave == Slave::Automatic || all_held && may_change {
         let young = [first, second].map(|boundary| young(mesh, boundary, materials));
-        let taken = [first, second].map(|boundary| slaves.contains(&boundary.name));
+        let are_slaves = [first, second].map(|boundary| slaves.contains(&boundary.name));
         let (mortar, choice) =
-            Mortar::of_better_slave(mesh, [first, second], young, taken, &options, supports).map_err(refused)?;
+            Mortar::of_better_slave(mesh, [first, second], young, are_slaves, &options, supports).map_err(refused)?;
         (mortar, Some(choice))
     } else {
         (Mortar::new(mesh, first, second, &options, supports).map_err(refused)?, None)
@@ -392,7 +392,7 @@ fn pair(
         if gap.is_finite() {
             return Ok(gap);
         }
-        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.place(place));
+        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.point(place));
         Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
     };
     let gaps: Vec<f64> = if opposite.glued {
@@ -407,7 +407,7 @@ fn pair(
         let thickness = thickness[0].min(thickness[1]);
         if *gap < -DEEPEST * thickness {
             let [depth, thickness] = [-gap, thickness].map(|x| units.rounded(Quantity::Length, x, 3));
-            let place = units.place(mesh.nodes[row.node]);
+            let place = units.point(mesh.nodes[row.node]);
             let message =
                 format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
             let (place, help) = match opposite.gap {
@@ -496,7 +496,7 @@ fn share_nothing(
 ) -> Result<(), InputError> {
     let of_first: BTreeSet<usize> = first.nodes().into_iter().collect();
     let Some(node) = second.nodes().into_iter().find(|node| of_first.contains(node)) else { return Ok(()) };
-    let place = description.system(mesh.dimension).place(mesh.nodes[node]);
+    let place = description.system(mesh.dimension).point(mesh.nodes[node]);
     let message = format!("`{}` and `{}` have the node at {place} in common", first.name, second.name);
     let help = "let the bodies have nodes of their own: do not join them in Gmsh where they are in contact";
     Err(InputError::new(format!("contact[{k}].against"), message, help))

@@ -33,8 +33,8 @@ pub(super) fn node(mesh: &Mesh, point: Vector, units: &UnitSystem, key: &str) ->
     if distance(nearest) <= near {
         return only(mesh, nearest, |node| distance(node) <= near, units, key);
     }
-    let message = format!("no node of the mesh is at {}", units.place(x));
-    let help = format!("the nearest is at {}", units.place(mesh.nodes[nearest]));
+    let message = format!("no node of the mesh is at {}", units.point(x));
+    let help = format!("the nearest is at {}", units.point(mesh.nodes[nearest]));
     Err(InputError::new(format!("{key}.point"), message, help))
 }
 
@@ -51,8 +51,8 @@ fn only(
     let Some(other) = (0..mesh.nodes.len()).find(|&other| of[other] != of[node] && near(other)) else {
         return Ok(node);
     };
-    let names = [node, other].map(|node| bodies.told(of[node]));
-    let message = format!("{} and {} both have a node at {}", names[0], names[1], units.place(mesh.nodes[node]));
+    let names = [node, other].map(|node| bodies.label(of[node]));
+    let message = format!("{} and {} both have a node at {}", names[0], names[1], units.point(mesh.nodes[node]));
     let help = "name a boundary in place of the point: those are of one body";
     Err(InputError::new(format!("{key}.point"), message, help))
 }

@@ -22,13 +22,13 @@ impl Model {
         let displacements = self.strained(t, &state.u);
         let interference = self.loading.largest_interference();
         let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
-            let met = (0..self.contacts.len()).filter(|&i| self.met(i, t).is_some_and(|(met, _)| met == k));
-            let deformed = met.map(|i| DeformedNode {
+            let assigned = (0..self.contacts.len()).filter(|&i| self.assigned(i, t).is_some_and(|(own, _)| own == k));
+            let deformed = assigned.map(|i| DeformedNode {
                 node: self.contacts[i].node,
                 position: self.contacts[i].position,
                 displacement: displacements[self.contacts[i].node],
                 normal: self.contacts[i].facing.normal,
-                gap: self.nodal_gap(i, t, gap) + self.beyond(i, t),
+                gap: self.nodal_gap(i, t, gap) + self.normal_deviation(i, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
             let deformed: Vec<_> = deformed.collect();
@@ -42,7 +42,7 @@ impl Model {
     /// like that of a contact of any width; in three dimensions the stiffness of a contact grows with its width, the
     /// square root of the number of nodes.
     pub(super) fn pressed_in(&self, k: usize, t: f64, state: &State) -> f64 {
-        let on_this = |i: usize| self.met(i, t).is_some_and(|(met, _)| met == k);
+        let on_this = |i: usize| self.assigned(i, t).is_some_and(|(own, _)| own == k);
         let pressed = (0..self.contacts.len()).filter(|&i| state.p_n[i] > 0.0 && on_this(i));
         let shares: Vec<f64> = pressed.map(|i| state.p_n[i] / self.problem.own_stiffness(i)).collect();
         let width = if self.mesh.dimension == 3 { (shares.len() as f64).sqrt() } else { 1.0 };
@@ -56,7 +56,7 @@ impl Model {
     /// In front of a body, the slope is that of the node's surface if a direction is given, otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
         let contact = &self.contacts[i];
-        let Some((k, facing)) = self.met(i, t) else { return self.slope_in_pair(i) };
+        let Some((k, facing)) = self.assigned(i, t) else { return self.slope_in_pair(i) };
         let (obstacle, motion) = &self.obstacles[k];
         motion.slope(obstacle, t, contact.position, &facing)
     }

@@ -110,7 +110,7 @@ impl Model {
     /// moving supports, the energy is `½ uᵀ K u`, and the result is `None`. The result is
     /// NaN if a cell has no valid strain, which happens only if the mesh is not the assembled one.
     pub(crate) fn strain_energy(&self, t: f64, state: &State) -> Option<f64> {
-        if self.thermal.is_empty() && self.moved.is_empty() {
+        if self.thermal.is_empty() && self.prescribed.is_empty() {
             return None;
         }
         let displacements = self.all_displaced(t, &state.u);

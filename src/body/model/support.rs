@@ -1,9 +1,9 @@
 //! The prescribed displacements of the supports of a description on its mesh, and the groups of bodies with a common rigid
 //! offset by them.
 //!
-//! A rigid offset causes no strain, and forces of the stiffness that would cancel are left out (`Moved`). Bodies that
-//! are moved by different supports have different offsets. With one offset for all, a stiff body at rest would be
-//! pulled back against the mean by forces far above the actual ones.
+//! A rigid offset causes no strain, and forces of the stiffness that would cancel are left out (`PrescribedMotion`).
+//! Bodies that are moved by different supports have different offsets. With one offset for all, a stiff body at rest
+//! would be pulled back against the mean by forces far above the actual ones.
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
@@ -30,25 +30,25 @@ const DISPLACEMENT_ROUNDING: f64 = 1e-15;
 
 /// The motion of all supports with one history. It is split into a rigid offset of the body, the nearest translation,
 /// and the rest. The offset causes no strain: it is equivalent to the opposite motion of the obstacles, and
-/// displacements are relative to it. Bodies with different supports have different offsets, see [`Carrying`].
+/// displacements are relative to it. Bodies with different supports have different offsets, see [`RigidGroups`].
 #[derive(Debug, Clone)]
-pub(super) struct Moved {
+pub(super) struct PrescribedMotion {
     /// The rigid offset of the bodies of each group at factor 1, m.
-    pub carried: Vec<[f64; 3]>,
+    pub offset: Vec<[f64; 3]>,
     /// The displacements of all nodes by supports beyond the offset at factor 1, m.
-    pub beyond: Vec<[f64; 3]>,
+    pub deviation: Vec<[f64; 3]>,
     /// Points `[time (s), factor]`.
     pub history: Vec<[f64; 2]>,
 }
 
-impl Moved {
+impl PrescribedMotion {
     /// Returns the motions of all supports.
     pub(super) fn all(
         description: &Description,
         mesh: &Mesh,
         dofs: &Dofs,
         holdings: &[Holding],
-        carrying: &Carrying,
+        groups: &RigidGroups,
     ) -> Result<Vec<Self>, InputError> {
         let supports = || description.supports.iter().zip(holdings).enumerate();
         let history = |support: &Support| within(description.end(), &support.factors(description.end()));
@@ -69,79 +69,79 @@ impl Moved {
             prescribed.sort_by_key(|(_, node, ..)| *node);
             // A body of revolution has no offset along x.
             let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
-            let carried: Vec<[f64; 3]> = (carrying.carrier.iter())
+            let offset: Vec<[f64; 3]> = (groups.carrier.iter())
                 .map(|&group| {
-                    if carrying.turns == Some(group) {
+                    if groups.turns == Some(group) {
                         return [0.0; 3];
                     }
-                    let own = prescribed.iter().filter(|(_, node, ..)| carrying.of_node[*node] == group);
+                    let own = prescribed.iter().filter(|(_, node, ..)| groups.of_node[*node] == group);
                     nearest_translation(own.map(|(_, _, n, to)| (carrying_along(*n), *to)))
                 })
                 .collect();
             let size = prescribed.iter().fold(0.0_f64, |m, (.., to)| m.max(to.abs()));
-            let mut beyond = vec![[0.0; 3]; dofs.nodes()];
+            let mut deviation = vec![[0.0; 3]; dofs.nodes()];
             for at_node in prescribed.chunk_by(|a, b| a.1 == b.1) {
                 let node = at_node[0].1;
-                let carried = carried[carrying.of_node[node]];
-                let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(carried, *n))).collect();
-                let rest = solved(dofs, node, &values);
-                let missed = |(n, to): &([f64; 3], f64)| (dot(rest, *n) - to).abs() > SAME * size;
+                let offset = offset[groups.of_node[node]];
+                let values: Vec<_> = at_node.iter().map(|(_, _, n, to)| (*n, to - dot(offset, *n))).collect();
+                let displacement = solved(dofs, node, &values);
+                let missed = |(n, to): &([f64; 3], f64)| (dot(displacement, *n) - to).abs() > SAME * size;
                 if let Some(j) = values.iter().position(missed) {
-                    let place = description.system(mesh.dimension).place(dofs.position(mesh, node));
+                    let place = description.system(mesh.dimension).point(dofs.position(mesh, node));
                     let message = format!("two supports move the node at {place} to different places");
                     let help = "let them agree there, or hold it by one of them";
                     return Err(InputError::new(format!("support[{}].displacement", at_node[j].0), message, help));
                 }
                 // Rounding errors of a rigid offset would cause strains.
-                beyond[node] = rest.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
+                deviation[node] = displacement.map(|x| if x.abs() > DISPLACEMENT_ROUNDING * size { x } else { 0.0 });
             }
-            dofs.follow(&mut beyond);
-            Ok(Moved { carried, beyond, history: of })
+            dofs.follow(&mut deviation);
+            Ok(PrescribedMotion { offset, deviation, history: of })
         };
         histories.into_iter().map(of_history).collect()
     }
 
     /// Returns the motion due to a jump, a node and its displacement (m) at factor 1, of bodies in this many groups.
     pub(super) fn of_jump(dofs: &Dofs, groups: usize, (node, jump): (usize, [f64; 3]), history: Vec<[f64; 2]>) -> Self {
-        let mut beyond = vec![[0.0; 3]; dofs.nodes()];
-        beyond[node] = jump;
-        dofs.follow(&mut beyond);
-        Moved { carried: vec![[0.0; 3]; groups], beyond, history }
+        let mut deviation = vec![[0.0; 3]; dofs.nodes()];
+        deviation[node] = jump;
+        dofs.follow(&mut deviation);
+        PrescribedMotion { offset: vec![[0.0; 3]; groups], deviation, history }
     }
 
     /// Returns the forces (N) on all nodes at factor 1 that are equivalent to this motion, from the strain of the body
     /// and of the springs fixed to the ground.
-    pub(super) fn forces(&self, carrying: &Carrying, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
-        let strained = rows.response(&self.beyond).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
-        strained.chain(self.forces_of_springs(carrying, springs)).collect()
+    pub(super) fn forces(&self, groups: &RigidGroups, rows: &HeldRows, springs: &[Spring]) -> NodalForces {
+        let strained = rows.response(&self.deviation).into_iter().map(|(node, force)| (node, force.map(|f| -f)));
+        strained.chain(self.forces_of_springs(groups, springs)).collect()
     }
 
     /// Returns the forces (N) at factor 1 of springs due to the rigid offset.
-    pub(super) fn forces_of_springs(&self, carrying: &Carrying, springs: &[Spring]) -> NodalForces {
-        if springs.is_empty() || self.carried.iter().all(|carried| *carried == [0.0; 3]) {
+    pub(super) fn forces_of_springs(&self, groups: &RigidGroups, springs: &[Spring]) -> NodalForces {
+        if springs.is_empty() || self.offset.iter().all(|offset| *offset == [0.0; 3]) {
             return Vec::new();
         }
-        let carried: Vec<[f64; 3]> = carrying.of_node.iter().map(|group| self.carried[*group]).collect();
-        springs.iter().flat_map(|spring| spring.forces(&carried)).collect()
+        let offsets: Vec<[f64; 3]> = groups.of_node.iter().map(|group| self.offset[*group]).collect();
+        springs.iter().flat_map(|spring| spring.forces(&offsets)).collect()
     }
 
     /// Returns the displacement beyond the rigid offset of the rows of a contact node, along its normal and its
     /// tangents. If the body in front of it has another offset, the displacement is relative to that offset.
-    pub(super) fn beyond_contact(&self, dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> [f64; 3] {
+    pub(super) fn deviation_of(&self, dofs: &Dofs, groups: &RigidGroups, contact: &ContactNode) -> [f64; 3] {
         let relative = contact.coupled().is_some_and(|coupled| coupled.relative);
-        let own = self.carried[carrying.of_node[contact.node]];
+        let own = self.offset[groups.of_node[contact.node]];
         let apart = contact.terms().filter(|term| term.opposite).fold([0.0; 3], |sum, term| {
-            plus(sum, term.coefficient, minus(self.carried[carrying.of_node[term.node]], own))
+            plus(sum, term.coefficient, minus(self.offset[groups.of_node[term.node]], own))
         });
         let along = |direction: fn(&Facing) -> [f64; 3]| {
             let apart = dot(apart, direction(&contact.facing));
             if !relative {
-                return apart + contact.sum(|term| dot(self.beyond[term.node], direction(&term.facing)));
+                return apart + contact.sum(|term| dot(self.deviation[term.node], direction(&term.facing)));
             }
             // Free displacements follow the other side.
             let held = dofs.held(contact.node).filter(|held| dot(*held, direction(&contact.facing)) != 0.0);
             let of_axis = |held: [f64; 3]| {
-                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.beyond[term.node], held))
+                dot(held, direction(&contact.facing)) * contact.sum(|term| dot(self.deviation[term.node], held))
             };
             apart + held.map(of_axis).sum::<f64>()
         };
@@ -155,8 +155,8 @@ impl Moved {
 }
 
 /// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
-pub(super) fn moves_past(all: &[Moved], dofs: &Dofs, carrying: &Carrying, contact: &ContactNode) -> bool {
-    let along = |moved: &Moved| moved.beyond_contact(dofs, carrying, contact);
+pub(super) fn moves_past(all: &[PrescribedMotion], dofs: &Dofs, groups: &RigidGroups, contact: &ContactNode) -> bool {
+    let along = |motion: &PrescribedMotion| motion.deviation_of(dofs, groups, contact);
     all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
 }
 
@@ -165,15 +165,15 @@ pub(super) fn moves_past(all: &[Moved], dofs: &Dofs, carrying: &Carrying, contac
 fn solved(dofs: &Dofs, node: usize, values: &[([f64; 3], f64)]) -> [f64; 3] {
     let mut basis: Vec<([f64; 3], f64)> = Vec::new();
     for (n, value) in values {
-        let (mut rest, mut to) = (*n, *value);
+        let (mut remainder, mut to) = (*n, *value);
         for (b, along) in &basis {
-            let share = dot(rest, *b);
-            rest = minus(rest, b.map(|c| share * c));
+            let share = dot(remainder, *b);
+            remainder = minus(remainder, b.map(|c| share * c));
             to -= share * along;
         }
-        let length = norm(rest);
+        let length = norm(remainder);
         if length > SAME_DIRECTION && basis.len() < dofs.node(node).len() {
-            basis.push((rest.map(|c| c / length), to / length));
+            basis.push((remainder.map(|c| c / length), to / length));
         }
     }
     [0, 1, 2].map(|c| basis.iter().map(|(b, along)| b[c] * along).sum())
@@ -235,11 +235,11 @@ fn pseudo_inverse(directions: impl Iterator<Item = [f64; 3]> + Clone) -> [[f64; 
 /// The groups of bodies with a common rigid offset: bodies that are glued together, and bodies in front of the same
 /// obstacle.
 #[derive(Debug, Clone)]
-pub(super) struct Carrying {
+pub(super) struct RigidGroups {
     /// The group of each node.
     pub of_node: Vec<usize>,
     /// The number of groups.
-    pub groups: usize,
+    pub count: usize,
     /// For each group, the group whose supports determine its offset: the group itself or, if it has no supports, the
     /// nearest group in contact that has supports.
     pub carrier: Vec<usize>,
@@ -247,7 +247,7 @@ pub(super) struct Carrying {
     pub turns: Option<usize>,
 }
 
-impl Carrying {
+impl RigidGroups {
     /// Creates the groups of the bodies of `mesh`, where supports hold the nodes of `holdings`.
     pub(super) fn new(
         description: &Description,
@@ -289,13 +289,13 @@ impl Carrying {
         let group = |body: usize| firsts.binary_search(&least[body]).unwrap_or(0);
         let held: BTreeSet<usize> = holdings.iter().flatten().map(|(node, ..)| group(of(*node))).collect();
         let carrier = |from: usize| {
-            let (mut seen, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
+            let (mut visited, mut queue) = (BTreeSet::from([from]), VecDeque::from([from]));
             while let Some(k) = queue.pop_front() {
                 if held.contains(&k) {
                     return k;
                 }
                 let next = neighbours.iter().filter(|(a, _)| group(*a) == k).map(|(_, b)| group(*b));
-                queue.extend(next.filter(|k| seen.insert(*k)));
+                queue.extend(next.filter(|k| visited.insert(*k)));
             }
             from
         };
@@ -305,7 +305,7 @@ impl Carrying {
         let carrier = (0..firsts.len()).map(carrier).chain(turns).collect();
         let group_of = |node: usize| turns.filter(|_| stays(node)).unwrap_or_else(|| group(of(node)));
         let of_node = (0..dofs.nodes()).map(group_of).collect();
-        Ok(Carrying { of_node, groups: firsts.len() + usize::from(turns.is_some()), carrier, turns })
+        Ok(RigidGroups { of_node, count: firsts.len() + usize::from(turns.is_some()), carrier, turns })
     }
 }
 
@@ -331,9 +331,9 @@ fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone
             member.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
             made_of = minus(made_of, of.map(|x| along * x));
         }
-        let rest = dot(&member, &member).sqrt();
-        if rest > FELT * whole {
-            basis.push((member.into_iter().map(|x| x / rest).collect(), made_of.map(|x| x / rest)));
+        let length = dot(&member, &member).sqrt();
+        if length > FELT * whole {
+            basis.push((member.into_iter().map(|x| x / length).collect(), made_of.map(|x| x / length)));
         }
     }
     let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();

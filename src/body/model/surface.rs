@@ -85,30 +85,30 @@ fn monomials([x, y]: [f64; 2], degree: i32, dimension: usize) -> Vec<f64> {
     }
 }
 
-/// Returns the factors of values at `places` whose sums are the derivatives at the origin of the polynomial of this
+/// Returns the factors of values at `points` whose sums are the derivatives at the origin of the polynomial of this
 /// `degree` fitted to the values; `None` if they do not determine one.
-fn slopes(places: &[[f64; 2]], degree: i32, dimension: usize) -> Option<Vec<[f64; 2]>> {
+fn slopes(points: &[[f64; 2]], degree: i32, dimension: usize) -> Option<Vec<[f64; 2]>> {
     let count = monomials([0.0; 2], degree, dimension).len();
-    if places.len() < count {
+    if points.len() < count {
         return None;
     }
-    let size = |c: usize| places.iter().map(|x| x[c].abs()).fold(0.0, f64::max);
+    let size = |c: usize| points.iter().map(|x| x[c].abs()).fold(0.0, f64::max);
     let size = [size(0), if dimension == 2 { 1.0 } else { size(1) }];
     if size.contains(&0.0) {
         return None;
     }
     let values: Vec<Vec<f64>> =
-        places.iter().map(|[x, y]| monomials([x / size[0], y / size[1]], degree, dimension)).collect();
+        points.iter().map(|[x, y]| monomials([x / size[0], y / size[1]], degree, dimension)).collect();
     let mut rows = [[0.0; MONOMIALS + 2]; MONOMIALS];
     let rows = &mut rows[..count];
     for q in &values {
         for (row, a) in rows.iter_mut().zip(q) {
-            row.iter_mut().zip(q).for_each(|(sum, b)| *sum += a * b / places.len() as f64);
+            row.iter_mut().zip(q).for_each(|(sum, b)| *sum += a * b / points.len() as f64);
         }
     }
     // The derivatives of the monomials at the origin.
     for k in 0..dimension - 1 {
-        rows[1 + k][count + k] = 1.0 / (size[k] * places.len() as f64);
+        rows[1 + k][count + k] = 1.0 / (size[k] * points.len() as f64);
     }
     solve(rows)?;
     let factors = |q: &Vec<f64>| [0, 1].map(|k| q.iter().zip(&*rows).map(|(q, row)| q * row[count + k]).sum());
@@ -217,12 +217,12 @@ impl Fit {
                 let mut patch = sides.nodes(&own);
                 (0..LAYERS).find_map(|_| {
                     let nodes: Vec<usize> = patch.iter().copied().collect();
-                    let place = |other: &usize| {
+                    let coordinates = |other: &usize| {
                         let from = minus(mesh.nodes[*other], mesh.nodes[node]);
                         [dot(from, axes[1]), if d == 2 { 0.0 } else { dot(from, axes[2]) }]
                     };
-                    let places: Vec<[f64; 2]> = nodes.iter().map(place).collect();
-                    let slopes = slopes(&places, degree, d);
+                    let coordinates: Vec<[f64; 2]> = nodes.iter().map(coordinates).collect();
+                    let slopes = slopes(&coordinates, degree, d);
                     patch = sides.nodes(&sides.beside(model, nodes.iter(), first));
                     Some(nodes.into_iter().zip(slopes?).collect())
                 })

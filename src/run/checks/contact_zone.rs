@@ -26,8 +26,8 @@ const SMOOTH: f64 = 0.1;
 pub(super) fn warnings(Solved { model, checks, estimates, .. }: &Solved<'_>) -> Vec<Warning> {
     let units = model.units();
     let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let sound = estimates.contact.iter().filter(|contact| !checks.has_faceted_gaps(model, &contact.boundary));
-    let contact = sound.flat_map(|contact| {
+    let smooth = estimates.contact.iter().filter(|contact| !checks.has_faceted_gaps(model, &contact.boundary));
+    let contact = smooth.flat_map(|contact| {
         // For the reported peak, the estimate at its own time counts.
         let peak = estimates.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
         let zone = of_zone(contact, &units).or_else(|| of_zone(peak, &units));

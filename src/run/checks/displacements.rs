@@ -37,7 +37,7 @@ impl Check for LargeDisplacements {
         let message = format!(
             "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, {:.0} % of the body's \
              size; are lengths in {}, moduli and tractions in {}?",
-            units.place(*position),
+            units.point(*position),
             units.rounded(Quantity::Length, length, 3),
             100.0 * length / size,
             units.name(Quantity::Length),

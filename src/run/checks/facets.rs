@@ -101,7 +101,7 @@ pub(super) struct FacetedObstacle(Option<(usize, f64)>);
 impl FacetedObstacle {
     /// Returns the obstacle if its triangles change distances so much that pressures mean little.
     fn large(&self, so_far: &SoFar) -> Option<(usize, f64)> {
-        self.0.filter(|(_, beyond)| STIFFER_OBSTACLE * beyond > FACETED * so_far.indentation)
+        self.0.filter(|(_, sagitta)| STIFFER_OBSTACLE * sagitta > FACETED * so_far.indentation)
     }
 
     pub(super) fn is_of(&self, model: &Model, boundary: &str, so_far: &SoFar) -> bool {
@@ -120,11 +120,11 @@ impl Check for FacetedObstacle {
                 obstacle.triangles()?;
                 let pressed = (0..model.contacts.len()).filter(|&i| step.state.p_n[i] > 0.0);
                 let place = |i: usize| {
-                    let (met, facing) = model.met(i, step.record.time)?;
-                    (met == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
+                    let (own, facing) = model.assigned(i, step.record.time)?;
+                    (own == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
                 };
-                let beyond = median(&mut obstacle.beyond_triangles(pressed.filter_map(place)))?;
-                Some((k, beyond))
+                let sagitta = median(&mut obstacle.sagittas(pressed.filter_map(place)))?;
+                Some((k, sagitta))
             };
             self.0 = (0..model.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
         }
@@ -135,15 +135,15 @@ impl Check for FacetedObstacle {
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
-        let (obstacle, beyond) = self.large(so_far)?;
-        let share = STIFFER_OBSTACLE * (beyond / so_far.indentation);
+        let (obstacle, sagitta) = self.large(so_far)?;
+        let share = STIFFER_OBSTACLE * (sagitta / so_far.indentation);
         let message = format!(
             "the triangles of {} are chords of a curved surface, which is {} beyond their middle (median), {}: \
              pressures may be off by about {:.0} %; write the file with edges at most {:.2} times as long, or use an \
              obstacle of that shape",
             model.obstacle_key(obstacle),
-            model.units().rounded(Quantity::Length, beyond, 3),
-            so_far.beside(beyond),
+            model.units().rounded(Quantity::Length, sagitta, 3),
+            so_far.beside(sagitta),
             100.0 * share.min(1.0),
             (FACETED / share).sqrt()
         );

@@ -24,7 +24,7 @@ pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     let locking = estimates.locking.and_then(|share| locking::warning(solved.model, share));
     let coarse =
         estimates.discretisation.and_then(coarse).or_else(|| estimates.tangential.and_then(coarse_for_friction));
-    locking.into_iter().chain(coarse).chain(rough(solved)).collect()
+    locking.into_iter().chain(coarse).chain(inaccurate(solved)).collect()
 }
 
 /// Warns if the mesh is too coarse for the body itself.
@@ -51,7 +51,7 @@ fn coarse_for_friction(error: f64) -> Option<Warning> {
 }
 
 /// Warns if stresses in the body are much less accurate than displacements.
-fn rough(Solved { model, estimates, .. }: &Solved<'_>) -> Option<Warning> {
+fn inaccurate(Solved { model, estimates, .. }: &Solved<'_>) -> Option<Warning> {
     let (stresses, whole) = (estimates.stresses?, estimates.discretisation?);
     let cure = match model.element() {
         Element::Bilinear

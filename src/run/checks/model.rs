@@ -79,7 +79,7 @@ fn surface_hole(model: &Model) -> Option<String> {
                 model.obstacle_key(k),
                 contact.name,
                 units.rounded(Quantity::Length, largest.size, 3),
-                units.place(largest.box_centre())
+                units.point(largest.box_centre())
             ))
         })
     })
@@ -99,6 +99,6 @@ fn idle_load(model: &Model) -> Option<String> {
     let (load, _) = loads.find(|(load, case)| acts(&load.action) && idle(case.force()))?;
     Some(format!(
         "the load on `{}` does nothing: supports hold the boundary in its direction; remove the load, or free that direction in [[support]]",
-        load.action.place(&model.units())
+        load.action.location(&model.units())
     ))
 }

@@ -32,7 +32,7 @@ impl Check for ObstacleNotMet {
         };
         let message = format!(
             "the contact node at {} is {} inside {} at t = {time} s, {}, {cure}",
-            model.units().place(model.contacts[contact].position),
+            model.units().point(model.contacts[contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             model.obstacle_key(obstacle),
             so_far.beside(depth)
@@ -60,7 +60,7 @@ impl Check for ObstacleBetweenNodes {
             "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
              its distance at t = {} s differs by {} from the distances at the nodes, {}, and pressures may be equally \
              wrong; make the elements there, now {} long, smaller than these details",
-            model.units().place(*position),
+            model.units().point(*position),
             six_digits(*time),
             length(*missed),
             so_far.beside(*missed),

@@ -18,13 +18,13 @@ impl Finding for BeyondTheEnd {
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
         let share = |k: usize| {
-            let (mut all, mut beyond) = (0.0, 0.0);
+            let (mut all, mut outside) = (0.0, 0.0);
             for (contact, p_n) in model.contacts.iter().zip(&step.state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == k) else { continue };
                 all += p_n;
-                beyond += if coupled.beyond_the_end { *p_n } else { 0.0 };
+                outside += if coupled.beyond_the_end { *p_n } else { 0.0 };
             }
-            (if all > 0.0 { beyond / all } else { 0.0 }, BeyondTheEnd(k))
+            (if all > 0.0 { outside / all } else { 0.0 }, BeyondTheEnd(k))
         };
         (0..model.pairs.len()).map(share).max_by(|a, b| a.0.total_cmp(&b.0))
     }
@@ -66,7 +66,7 @@ impl Finding for Passed {
         let (units, all) = (model.units(), model.mesh.bodies());
         let of = all.of_nodes();
         let [depth, apart] = [depth, apart].map(|x| units.rounded(Quantity::Length, x, 3));
-        let place = units.place(model.mesh.nodes[node]);
+        let place = units.point(model.mesh.nodes[node]);
         let nodes_of = |name: &str| model.mesh.boundary(name).map_or(Vec::new(), Boundary::nodes);
         let is_between = |pair: &&Pair| {
             let (slave, master) = (nodes_of(&pair.slave), pair.master.nodes());
@@ -86,8 +86,8 @@ impl Finding for Passed {
             format!(
                 "at t = {time} s the node at {place} of {} is {depth} inside {}, and no contact stops it; define a \
                  [[contact]] with `against` between the boundaries of the two there",
-                all.told(bodies[0]),
-                all.told(bodies[1])
+                all.label(bodies[0]),
+                all.label(bodies[1])
             )
         }
     }

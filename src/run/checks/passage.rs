@@ -1,7 +1,7 @@
 //! Motions of obstacles within an increment.
 
 use super::prelude::*;
-use crate::body::model::OnTheWay;
+use crate::body::model::PassedNode;
 use crate::solver::problem::State;
 
 /// The depth of an obstacle's passage within an increment above which it is reported, relative to the indentation. For
@@ -14,7 +14,7 @@ const OFF: f64 = 1e-6;
 /// The deepest passage of an obstacle within an increment.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Passage {
-    deepest: Largest<OnTheWay>,
+    deepest: Largest<PassedNode>,
     /// The end of the last increment, if the paths of obstacles are checked: its time, s, and its state.
     last: Option<(f64, State)>,
 }
@@ -24,7 +24,7 @@ impl Check for Passage {
         if model.has_passing_obstacles() {
             let now = (step.record.time, step.state.clone());
             let (time, last) = self.last.replace(now).unwrap_or_else(|| (0.0, State::zero(&model.problem)));
-            let found = model.on_the_way([time, step.record.time], [&last, step.state]);
+            let found = model.passed_node([time, step.record.time], [&last, step.state]);
             self.deepest.add(step, found.map(|found| (found.distance.abs(), found)));
         }
     }
@@ -40,7 +40,7 @@ impl Check for Passage {
             "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
              between the ends of increments is neglected; take more increments",
             if found.distance < 0.0 { "goes through" } else { "leaves" },
-            model.units().place(model.contacts[found.contact].position),
+            model.units().point(model.contacts[found.contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             so_far.beside(depth)
         );

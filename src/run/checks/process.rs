@@ -28,16 +28,16 @@ impl Warning {
     }
 
     /// Warns that multigrid was `asked` for and stagnated, for the reason `why` if known, or could not begin, so that
-    /// the solver `taken` replaced it.
+    /// the solver `used` replaced it.
     pub(in crate::run) fn of_multigrid(
         linear: &Statistics,
         asked: bool,
-        taken: &str,
+        used: &str,
         why: Option<&str>,
     ) -> Option<Self> {
-        if asked && taken != "multigrid" {
+        if asked && used != "multigrid" {
             let message = format!(
-                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {taken} was used \
+                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {used} was used \
                  instead"
             );
             return Some(Warning { kind: WarningKind::MultigridGaveWay, message });

@@ -19,18 +19,18 @@ impl Check for GapsOutOfRange {
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let RangeLeft { position, time, linearised, exact, share, .. } = self.0?;
         let (units, time) = (model.units(), six_digits(time));
-        let place = units.place(position);
+        let place = units.point(position);
         let remedy = "pressures may be equally wrong; place the obstacle of the scene nearer to where it presses, or let \
              it move less";
         let off =
             if share < 10.0 { format!(", off by {:.0} % of the indentation", 100.0 * share) } else { String::new() };
-        let [linearised, told] = [linearised, exact].map(|distance| units.rounded(Quantity::Length, distance, 3));
+        let [linearised, shown] = [linearised, exact].map(|distance| units.rounded(Quantity::Length, distance, 3));
         let message = if exact.is_nan() {
             format!("the obstacle is no longer in front of the contact node at {place} at t = {time} s: {remedy}")
         } else {
             format!(
                 "gaps are linearised in the undeformed state, and the contact leaves the range of this approximation: \
-                 at the node {place} at t = {time} s the distance is {told}, not {linearised}{off}; {remedy}"
+                 at the node {place} at t = {time} s the distance is {shown}, not {linearised}{off}; {remedy}"
             )
         };
         Some(Warning { kind: WarningKind::GapsOutOfRange, message })

@@ -39,7 +39,7 @@ impl Finding for Slid {
         format!(
             "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, but remains paired \
              with its initial nodes; pressures may be off by as much as they change over that distance",
-            model.units().place(model.contacts[self.contact].position),
+            model.units().point(model.contacts[self.contact].position),
             model.units().rounded(Quantity::Length, self.slip, 3),
             100.0 * share
         )

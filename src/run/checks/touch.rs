@@ -47,7 +47,7 @@ impl Check for LeaningObstacle {
 
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (i, slope) = self.0.filter(|(_, slope)| *slope > NOT_SMALL)?;
-        let (place, degrees) = (model.units().place(model.contacts[i].position), slope.atan().to_degrees());
+        let (place, degrees) = (model.units().point(model.contacts[i].position), slope.atan().to_degrees());
         let message = if model.contacts[i].coupled().is_some() {
             format!(
                 "at the node {place} the surface is inclined by {degrees:.0} degrees to the direction of its contact; \

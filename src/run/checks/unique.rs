@@ -60,7 +60,7 @@ impl Check for SharedForces {
         let acting: Vec<usize> = (0..touched.len()).filter(acts).collect();
         let dependent = model.problem.of_nodes(&acting).dependent_nodes();
         let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contacts[acting[k]].node).collect();
-        let place = model.units().place(model.mesh.nodes[*nodes.first()?]);
+        let place = model.units().point(model.mesh.nodes[*nodes.first()?]);
         let message = format!(
             "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over \
              what others carry: those that keep their friction and have the smallest pressures are told; the sums over \

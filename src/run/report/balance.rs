@@ -139,12 +139,12 @@ impl BalanceRecord {
             couplings: couplings.collect(),
             pretensions: pretensions.collect(),
             supports: acting(
-                description.supports.iter().map(|support| support.at.place(&units)).collect(),
+                description.supports.iter().map(|support| support.at.location(&units)).collect(),
                 supports,
                 of_supports,
             ),
-            springs: acting(description.springs.iter().map(|bed| bed.place(&units)).collect(), springs, of_springs),
-            loads: acting(description.loads.iter().map(|load| load.action.place(&units)).collect(), loads, of_loads),
+            springs: acting(description.springs.iter().map(|bed| bed.location(&units)).collect(), springs, of_springs),
+            loads: acting(description.loads.iter().map(|load| load.action.location(&units)).collect(), loads, of_loads),
             balance: closure,
             of_forces: force_closure,
             size,
@@ -167,7 +167,7 @@ pub struct BalanceWatch {
 
 impl BalanceWatch {
     /// Examines the end of a converged increment. Increments that did not converge are not balanced anyway.
-    pub fn see(&mut self, record: &BalanceRecord) {
+    pub fn observe(&mut self, record: &BalanceRecord) {
         let left = record.balance * record.size;
         self.largest = self.largest.max(record.size);
         if self.worst.is_none_or(|[worst, ..]| left >= worst || left.is_nan()) {

@@ -111,7 +111,7 @@ impl ContactLine {
                 _ => boundary
                     .nodes
                     .iter()
-                    .filter_map(|&i| model.met(i, step.record.time))
+                    .filter_map(|&i| model.assigned(i, step.record.time))
                     .map(|(k, _)| model.obstacle_key(k))
                     .collect(),
             },

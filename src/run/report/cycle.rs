@@ -143,14 +143,14 @@ impl CycleWatch {
     }
 
     /// Examines the end of a substep of an increment, except the last.
-    pub fn part(&mut self, model: &Model, part: &IncrementView<'_>) {
+    pub fn substep(&mut self, model: &Model, part: &IncrementView<'_>) {
         if self.phase(part.record.time) == Phase::Within {
             self.nodes(model, part);
         }
     }
 
     /// Examines the end of an increment. Increments that did not converge are ignored.
-    pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
+    pub fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
         let record = step.record;
         if record.status != Status::Converged {
             return;
@@ -180,7 +180,7 @@ impl CycleWatch {
                 node.see_path(point, stress.along);
             } else {
                 let [t, o] = model.problem.slip(step.increment, step.state, i);
-                node.see(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
+                node.observe(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
             }
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {

@@ -94,7 +94,7 @@ struct Heaviest {
 
 impl Heaviest {
     /// Replaces the state if this `force` is as large. `p_n` are the normal forces without those of open nodes.
-    fn see(&mut self, force: f64, p_n: &[f64], step: &IncrementView<'_>) {
+    fn observe(&mut self, force: f64, p_n: &[f64], step: &IncrementView<'_>) {
         if force > 0.0 && is_as_large(force, self.force) {
             (self.force, self.time) = (force.max(self.force), step.record.time);
             self.state.p_n.clear();
@@ -141,7 +141,7 @@ impl EstimateWatch {
     }
 
     /// Examines the end of an increment. Increments that did not converge are ignored.
-    pub fn see(&mut self, model: &Model, step: &IncrementView<'_>) {
+    pub fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
         if step.record.status != Status::Converged {
             return;
         }
@@ -151,13 +151,13 @@ impl EstimateWatch {
             step.state.p_n.iter().zip(step.statuses).map(|(p, status)| if is_open(status) { 0.0 } else { *p });
         let p_n: Vec<f64> = of_closed.collect();
         for (heaviest, force) in self.heaviest.iter_mut().zip(self.graph.forces(&p_n)) {
-            heaviest.see(force, &p_n, step);
+            heaviest.observe(force, &p_n, step);
         }
         let p_of: Vec<f64> = step.state.p_t.iter().zip(&step.state.p_o).map(|(t, o)| t.hypot(*o)).collect();
         for (dragged, force) in self.dragged.iter_mut().zip(self.graph.forces(&p_of)) {
-            dragged.see(force, &p_n, step);
+            dragged.observe(force, &p_n, step);
         }
-        self.slip.see(model, &self.graph, step);
+        self.slip.observe(model, &self.graph, step);
         Peak::see(&mut self.peak, model, &self.graph, step);
         let with_friction = model.problem.energy_with_friction(step.increment.force, step.state);
         self.energy_with_friction = self.energy_with_friction.max(with_friction);
@@ -204,7 +204,7 @@ impl EstimateWatch {
                 .peak
                 .as_ref()
                 .zip(peak.as_ref())
-                .and_then(|(seen, surface)| seen.error(model, &self.graph, surface, discretisation)),
+                .and_then(|(peak, surface)| peak.error(model, &self.graph, surface, discretisation)),
             peak,
             contact: self.heaviest.iter().enumerate().filter_map(contact).collect(),
             locking: elements.as_ref().and_then(|elements| elements.locking),

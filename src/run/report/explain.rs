@@ -110,8 +110,8 @@ impl JointSlip {
         // Six digits tell times apart that are a part of an increment apart.
         let [from, by] = self.between.map(six_digits);
         let at = |k: usize| {
-            let told = |changing: &ChangingLoad| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
-            let factors = self.factors.iter().map(told);
+            let point = |changing: &ChangingLoad| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
+            let factors = self.factors.iter().map(point);
             let all = factors.collect::<Vec<_>>().join(", ");
             if all.is_empty() { all } else { format!(" ({all})") }
         };
@@ -145,7 +145,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     let exact_path = solver.method.is_exact_path();
     let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
         return match outcome.status {
-            Status::Singular => unheld(model, outcome),
+            Status::Singular => unconstrained(model, outcome),
             Status::Interrupted => "stopped on request".to_string(),
             Status::Unsupported if exact_path => {
                 "the exact path requires nodes that slide along lines, constant friction and independent contact \
@@ -170,11 +170,11 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     }
     let (law, error) = record.kkt.worst();
     let place = worst_node(model, outcome)
-        .map_or(String::new(), |worst| format!(" at the node {}", model.units().place(model.mesh.nodes[worst.node])));
+        .map_or(String::new(), |worst| format!(" at the node {}", model.units().point(model.mesh.nodes[worst.node])));
     let violated =
         format!("{}{place}: relative error {error:.1e}, tolerance {:.0e} ({law})", broken(law), solver.tolerance);
     let why = match outcome.status {
-        Status::Singular => unheld(model, outcome),
+        Status::Singular => unconstrained(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::NoContinuation => no_continuation(solver, model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
@@ -262,7 +262,7 @@ fn broken(law: &str) -> &'static str {
     }
 }
 
-fn unheld(model: &Model, outcome: &HistoryOutcome) -> String {
+fn unconstrained(model: &Model, outcome: &HistoryOutcome) -> String {
     match (motion(model, outcome), &outcome.free_motion) {
         (Some(motion), Some(weights)) if !meets_contact(model, weights) => {
             format!("nothing holds {}; add a support", motion.against(&model.units()))
@@ -300,7 +300,7 @@ fn held_by_contact(model: &Model) -> String {
 }
 
 fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
-    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.told(&model.units()));
+    let motion = motion(model, outcome).map_or("the body".to_string(), |motion| motion.describe(&model.units()));
     format!(
         "no equilibrium: the loads drive {motion}, and no contact force within the friction limit resists; \
          change the loads or add a support"
@@ -313,7 +313,7 @@ fn no_continuation(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcom
         return format!(
             "the quasi-static motion ends here: within this increment the loads drive {}, and no contact force \
              within the friction limit resists; change the loads or add a support",
-            motion.told(&model.units())
+            motion.describe(&model.units())
         );
     }
     let proof = if outcome.lost.is_some_and(|lost| lost.certain) {

@@ -54,7 +54,7 @@ impl HistoryCurves {
         marked.into_iter().filter(|(_, is)| *is).for_each(|(curve, _)| curve.push(iterations));
         for ForceRecord { time, resultant, .. } in forces {
             let known = self.boundaries.iter().position(|of| of.boundary == resultant.boundary);
-            let place = known.unwrap_or_else(|| {
+            let index = known.unwrap_or_else(|| {
                 self.boundaries.push(ForceCurves {
                     boundary: resultant.boundary.clone(),
                     opposite: resultant.opposite.as_ref().map(|of| of.boundary.clone()),
@@ -62,7 +62,7 @@ impl HistoryCurves {
                 });
                 self.boundaries.len() - 1
             });
-            let components = &mut self.boundaries[place].components;
+            let components = &mut self.boundaries[index].components;
             components.iter_mut().zip(&resultant.force).for_each(|(curve, force)| curve.push([*time, *force]));
         }
     }

@@ -168,7 +168,7 @@ pub struct KeyWatch {
 
 impl KeyWatch {
     /// Examines an increment, with the `forces` at its end. Increments that did not converge are ignored.
-    pub fn see(&mut self, geometry: Geometry, step: &IncrementView<'_>, forces: &[ForceRecord]) {
+    pub fn observe(&mut self, geometry: Geometry, step: &IncrementView<'_>, forces: &[ForceRecord]) {
         if step.record.status != Status::Converged {
             return;
         }

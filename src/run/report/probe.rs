@@ -74,17 +74,17 @@ impl ProbeTable {
             ProbePlace::Line { from, to, .. } => vec![("from", from), ("to", to)],
         };
         if let Some((key, point)) = given.iter().find(|(_, point)| point.dimension() != dimension) {
-            let told = point.map(|x| model.units().number(Quantity::Length, x));
+            let x = point.map(|x| model.units().number(Quantity::Length, x));
             let message =
-                format!("the point {told:?} has {} components, but the body {dimension} dimensions", point.dimension());
+                format!("the point {x:?} has {} components, but the body {dimension} dimensions", point.dimension());
             let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
             return Err(InputError::new(*key, message, help));
         }
         let positions = probe.points();
         let cells = cells(mesh, &positions);
         let mut points = Vec::with_capacity(positions.len());
-        for (k, (position, held)) in positions.iter().zip(cells).enumerate() {
-            let Some((cell, reference)) = held else {
+        for (k, (position, located)) in positions.iter().zip(cells).enumerate() {
+            let Some((cell, reference)) = located else {
                 let key = if k == 0 { given[0].0 } else { given[given.len() - 1].0 };
                 return Err(outside(mesh, &model.units(), key, *position));
             };
@@ -171,7 +171,7 @@ fn cells(mesh: &Mesh, points: &[[f64; 3]]) -> Vec<Option<(usize, [f64; 3])>> {
 
 fn outside(mesh: &Mesh, units: &UnitSystem, key: &str, point: [f64; 3]) -> InputError {
     let nearest = mesh.nodes.iter().min_by(|a, b| norm(minus(**a, point)).total_cmp(&norm(minus(**b, point))));
-    let message = format!("the point {} is outside of the body", units.place(point));
-    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.place(*node)));
+    let message = format!("the point {} is outside of the body", units.point(point));
+    let node = nearest.map_or(String::new(), |node| format!("; the nearest node is at {}", units.point(*node)));
     InputError::new(key, message, format!("give a point of the undeformed mesh{node}"))
 }

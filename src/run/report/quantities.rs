@@ -184,17 +184,17 @@ pub fn field(name: &str) -> Quantity {
 }
 
 /// Turns the numbers of a report from SI into `units`.
-pub fn tell(report: &mut Value, units: &UnitSystem) {
+pub fn in_units(report: &mut Value, units: &UnitSystem) {
     match report {
         Value::Object(entries) => {
             for (key, value) in entries {
                 match find(KEYS, key) {
                     Some(quantity) => convert(value, quantity, units),
-                    None => tell(value, units),
+                    None => in_units(value, units),
                 }
             }
         }
-        Value::Array(values) => values.iter_mut().for_each(|value| tell(value, units)),
+        Value::Array(values) => values.iter_mut().for_each(|value| in_units(value, units)),
         _ => {}
     }
 }

@@ -118,14 +118,14 @@ impl OnObstacle {
         if boundary.obstacles.len() < 2 {
             return Vec::new();
         }
-        let met_by = |i: usize| model.met(i, t).map(|(k, _)| k);
-        let met = boundary.nodes.iter().filter_map(|&i| met_by(i));
+        let assigned_to = |i: usize| model.assigned(i, t).map(|(k, _)| k);
+        let assigned = boundary.nodes.iter().filter_map(|&i| assigned_to(i));
         let on = |k: usize| {
-            let parts = boundary.parts(&model.contacts).filter(|(i, _)| met_by(*i) == Some(k));
+            let parts = boundary.parts(&model.contacts).filter(|(i, _)| assigned_to(*i) == Some(k));
             let (force, moment, sums) = total(model, state, parts);
             OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
         };
-        boundary.obstacles.clone().chain(met).collect::<BTreeSet<_>>().into_iter().map(on).collect()
+        boundary.obstacles.clone().chain(assigned).collect::<BTreeSet<_>>().into_iter().map(on).collect()
     }
 }
 

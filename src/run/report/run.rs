@@ -266,7 +266,7 @@ impl RunReport {
         if self.units.is_si() {
             return Ok(report);
         }
-        quantities::tell(&mut report, &self.units);
+        quantities::in_units(&mut report, &self.units);
         if let Some(keys) = report.as_object_mut() {
             keys.insert("units".to_string(), serde_json::to_value(UnitNames::of(&self.units))?);
         }

@@ -64,15 +64,15 @@ impl EliminatedUnknown {
     pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
         let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
-        let beyond: usize = contact_boundaries.iter().map(|boundary| boundary.beyond).sum();
-        let held = contact_boundaries.iter().filter_map(|boundary| {
+        let unreached: usize = contact_boundaries.iter().map(|boundary| boundary.unreached).sum();
+        let supported = contact_boundaries.iter().filter_map(|boundary| {
             let nodes = mesh.boundary(&boundary.name)?.nodes();
             // The nodes at both ends of a period are one.
             let all = nodes.into_iter().map(|node| model.dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len();
-            Some(all.saturating_sub(boundary.beyond + boundary.nodes.len()))
+            Some(all.saturating_sub(boundary.unreached + boundary.nodes.len()))
         });
         let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
-        let rough = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
+        let frictional = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
         let free =
             |contact: &crate::body::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
         let nodes = working_set.map_or_else(|| (0..contacts.len()).collect(), <[usize]>::to_vec);
@@ -90,11 +90,11 @@ impl EliminatedUnknown {
             (interior, "u", "within the body: condensed, known once those at the contact are"),
             (contacts.len() - nodes.len(), "p_n", OUT_OF_REACH),
             (apart, tangential, OUT_OF_REACH),
-            (held.sum(), "p_n", "at nodes that supports hold along the normal"),
-            (beyond, "p_n", "at nodes that no obstacle ever reaches"),
+            (supported.sum(), "p_n", "at nodes that supports hold along the normal"),
+            (unreached, "p_n", "at nodes that no obstacle ever reaches"),
             (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),
             (
-                rough.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
+                frictional.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
                 tangential,
                 "along directions in which supports, or a second obstacle, prevent sliding",
             ),

@@ -87,14 +87,14 @@ fn place(
 pub(super) fn spring(given: document::Spring, reader: Reader<'_>) -> Result<Bed, SceneError> {
     if given.rotational.is_some() {
         let whose = "a rotational spring";
-        reader.foreign(whose, given!(given; boundary point))?;
+        reader.reject_keys(whose, given!(given; boundary point))?;
         if given.stiffness.is_some() {
             let help = "make two springs of them, each with the coupling";
             return reader.fault("stiffness", "a spring has both stiffness and rotational", help);
         }
-        reader.foreign(whose, given!(given; normal tangential))?;
+        reader.reject_keys(whose, given!(given; normal tangential))?;
     } else if given.stiffness.is_some() {
-        reader.foreign("a spring with a stiffness along the axes", given!(given; normal tangential))?;
+        reader.reject_keys("a spring with a stiffness along the axes", given!(given; normal tangential))?;
     }
     let document::Spring { boundary, point, coupling, stiffness, rotational, normal, tangential } = given;
     if let Some(rotational) = rotational.map(OneOrMany::into_vec) {
@@ -133,13 +133,13 @@ pub(super) fn load(given: document::Load, reader: Reader<'_>) -> Result<Load, Sc
     }
     let whose = format!("a{} {first}", if first == "acceleration" { "n" } else { "" });
     let places: &[_] = given!(given; boundary point coupling);
-    let foreign = match first {
+    let rejected = match first {
         "" | "force" => &[],
         "moment" => &places[..2],
         "traction" | "pressure" => &places[1..],
         _ => places,
     };
-    reader.foreign(&whose, foreign)?;
+    reader.reject_keys(&whose, rejected)?;
     let document::Load { boundary, point, coupling, history, .. } = given;
     let help = "give a number, or a formula of x, y and z in m or as [units] says, such as \"1e6 * (1 - x^2)\"";
     let field = |quantity, name: &str, scalar| reader.field(quantity, name, scalar, help);

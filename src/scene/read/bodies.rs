@@ -96,12 +96,12 @@ pub(super) fn source(mesh: &Mesh, reader: Reader<'_>) -> Result<MeshSource, Scen
     let [of_file, of_any]: [&[_]; 2] = [given!("mesh.", mesh; file scale), given!("mesh.", mesh; size)];
     let of_block = given!("mesh.", mesh; elements cells grading origin);
     let of_half_plane = given!("mesh.", mesh; contact_width contact_elements outer_elements layers);
-    let foreign = match mesh.kind {
+    let rejected = match mesh.kind {
         MeshKind::Block => [of_file, of_half_plane].concat(),
         MeshKind::HalfPlane => [of_file, of_block].concat(),
         _ => [of_any, of_block, of_half_plane].concat(),
     };
-    reader.foreign(whose, &foreign)?;
+    reader.reject_keys(whose, &rejected)?;
     if let Some(format) = format {
         let file = reader.source.beside(reader.needed("mesh.file", mesh.file.as_ref(), KIND, whose)?);
         return Ok(MeshSource::File { format, file, scale: reader.length(mesh.scale.unwrap_or(1.0)) });
@@ -121,8 +121,8 @@ fn block(mesh: &Mesh, size: &[Vec<f64>], reader: Reader<'_>) -> Result<MeshSourc
         lists(given).into_iter().map(|axis| axis.into_iter().map(|n| usize::try_from(n).ok()).collect()).collect();
     let help = "give the numbers of elements along each axis";
     // Negative numbers of elements are invalid.
-    let sound = ensure(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help);
-    sound.map_err(|fault| reader.at(fault))?;
+    let checked = ensure(elements.is_some(), "mesh.elements", given, "numbers of at least 1", help);
+    checked.map_err(|fault| reader.at(fault))?;
     let grading = mesh.grading.as_deref().map(lists);
     let source = MeshSource::segmented(size, &elements.unwrap_or_default(), grading.as_deref(), mesh.cells);
     Ok(match source.map_err(|fault| reader.at(fault))? {
@@ -140,8 +140,8 @@ fn half_plane(mesh: &Mesh, size: &[Vec<f64>], reader: Reader<'_>) -> Result<Mesh
     };
     let count = |key: &str, given: Option<i64>| {
         let given = reader.needed(key, given, KIND, whose)?;
-        let sound = ensure(given >= 0, key, &given, "at least 1 and at most 50 million", "give a number of elements");
-        sound.map_or_else(|fault| Err(reader.at(fault)), |()| Ok(given as usize))
+        let checked = ensure(given >= 0, key, &given, "at least 1 and at most 50 million", "give a number of elements");
+        checked.map_or_else(|fault| Err(reader.at(fault)), |()| Ok(given as usize))
     };
     let contact_width = reader.needed("mesh.contact_width", mesh.contact_width, KIND, whose)?;
     Ok(MeshSource::HalfPlane(HalfPlane {

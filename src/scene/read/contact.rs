@@ -26,7 +26,7 @@ pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Con
         }
         (Some(obstacles), None) => {
             let keys = given!(given; glue shift search gap adjust direction slave);
-            reader.foreign("a contact with an obstacle", keys)?;
+            reader.reject_keys("a contact with an obstacle", keys)?;
             Against::Obstacles(match obstacles {
                 OneOrMany::One(one) => {
                     vec![self::obstacle(one, Reader { key: &reader.path("obstacle"), ..reader })?]
@@ -36,7 +36,7 @@ pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Con
         }
         (None, Some(names)) => {
             if is_glued {
-                reader.foreign("what is glued", &[("friction", friction.is_some())])?;
+                reader.reject_keys("what is glued", &[("friction", friction.is_some())])?;
             }
             Against::Boundary(opposite(names, &given, reader)?)
         }

@@ -1,6 +1,6 @@
 //! The output of a scene.
 
-use super::{Reader, foreign, given, needed};
+use super::{Reader, given, needed, reject_keys};
 use crate::base::input_error::{InputError, ensure, finite};
 use crate::base::units::Quantity;
 use crate::body::description::{CycleChoice, CycleRequest, Probe, ProbePlace};
@@ -18,7 +18,7 @@ pub(super) fn output(given: document::Output, time: &Time, reader: Reader<'_>) -
     let mut every = every.map(|every| every as usize);
     let times = match times {
         Some(Times::All) => {
-            foreign("output.times = \"all\"", &[("every", every.is_some())]).map_err(in_output)?;
+            reject_keys("output.times = \"all\"", &[("every", every.is_some())]).map_err(in_output)?;
             every = Some(1);
             vec![0.0]
         }
@@ -61,7 +61,7 @@ fn cycle(
     let choice = match given {
         None => {
             let key = [("wear_coefficient", wear_coefficient.is_some())];
-            return foreign("an output without a cycle", &key).map(|()| None);
+            return reject_keys("an output without a cycle", &key).map(|()| None);
         }
         Some(document::Cycle::Last) => CycleChoice::Last,
         Some(document::Cycle::Between(times)) => match times[..] {
@@ -78,7 +78,7 @@ fn cycle(
 
 fn probe(given: document::Probe, reader: Reader<'_>) -> Result<Probe, InputError> {
     let place = if let Some(point) = given.point {
-        foreign("a probe with a point", given!(given; from to points))?;
+        reject_keys("a probe with a point", given!(given; from to points))?;
         ProbePlace::Point(reader.point(point))
     } else {
         let whose = "a probe without a point";

@@ -19,13 +19,13 @@ pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<Sol
     let method = method(given)?;
     let max_iterations = given.max_iterations.unwrap_or(SolverChoice::MAX_ITERATIONS as i64);
     let help = "an increment that needs more iterations has not converged";
-    let sound = (1..=1_000_000).contains(&max_iterations);
-    ensure(sound, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
+    let is_valid = (1..=1_000_000).contains(&max_iterations);
+    ensure(is_valid, "solver.max_iterations", &max_iterations, "at least 1 and at most a million", help)?;
     let tolerance = given.tolerance.unwrap_or(method.increments().default_tolerance());
     finite("solver.tolerance", tolerance)?;
     let help = "the relative error that every law may have, e.g. 1e-10";
-    let sound = tolerance > 0.0 && tolerance < 1.0;
-    ensure(sound, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
+    let is_valid = tolerance > 0.0 && tolerance < 1.0;
+    ensure(is_valid, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
     let linear = linear(given.linear, touches)?;
     Ok(SolverChoice { method, linear, max_iterations: max_iterations as usize, tolerance })
 }

@@ -46,36 +46,36 @@ enum Way {
 
 impl Unknowns {
     /// Returns the status of a node in the base.
-    fn base(self, may: AdmissibleTransition, is_rough: bool) -> NodeStatus {
+    fn base(self, may: AdmissibleTransition, has_friction: bool) -> NodeStatus {
         match (self, may) {
             (Unknowns::Forces, AdmissibleTransition::Turn(sign)) => NodeStatus::slip(sign),
             (Unknowns::Forces, _) => NodeStatus::Open,
-            (Unknowns::Motions, _) if is_rough => NodeStatus::Stick,
+            (Unknowns::Motions, _) if has_friction => NodeStatus::Stick,
             (Unknowns::Motions, _) => NodeStatus::Forward,
         }
     }
 
     /// Returns the ways in which a node may leave the base.
-    fn ways(self, may: AdmissibleTransition, is_rough: bool) -> &'static [Way] {
+    fn ways(self, may: AdmissibleTransition, has_friction: bool) -> &'static [Way] {
         match (self, may) {
             (_, AdmissibleTransition::Turn(sign)) if sign < 0.0 => &[Way::Tangential(-1.0)],
             (_, AdmissibleTransition::Turn(_)) => &[Way::Tangential(1.0)],
-            _ if !is_rough => &[Way::Normal],
+            _ if !has_friction => &[Way::Normal],
             (Unknowns::Forces, _) => &[Way::Normal, Way::Tangential(1.0), Way::Tangential(-1.0), Way::Slip],
             (Unknowns::Motions, _) => &[Way::Normal, Way::Tangential(1.0), Way::Tangential(-1.0)],
         }
     }
 
-    /// Returns the status of a node that leaves the base by the `taken` ways.
-    fn status(self, may: AdmissibleTransition, is_rough: bool, taken: &[bool]) -> NodeStatus {
-        match (self, may, taken) {
+    /// Returns the status of a node that leaves the base by the ways that are `is_basic`.
+    fn status(self, may: AdmissibleTransition, has_friction: bool, is_basic: &[bool]) -> NodeStatus {
+        match (self, may, is_basic) {
             (Unknowns::Forces, AdmissibleTransition::Turn(_), [true])
             | (Unknowns::Motions, AdmissibleTransition::Turn(_), [false]) => NodeStatus::Stick,
             (_, AdmissibleTransition::Turn(sign), _) => NodeStatus::slip(sign),
             (Unknowns::Forces, _, [false, ..]) | (Unknowns::Motions, _, [true, ..] | [_, true, true]) => {
                 NodeStatus::Open
             }
-            _ if !is_rough => NodeStatus::Forward,
+            _ if !has_friction => NodeStatus::Forward,
             (Unknowns::Forces, _, [_, true, false, true]) | (Unknowns::Motions, _, [_, true, false]) => {
                 NodeStatus::Forward
             }
@@ -139,8 +139,8 @@ impl RateSearch<'_> {
         let mut found = statuses.to_vec();
         let mut basic = &basic[..];
         for &i in concerned {
-            let (taken, others) = basic.split_at(ways(i).len());
-            found[i] = unknowns.status(problem.may[i], problem.has_friction[i], taken);
+            let (basic_ways, others) = basic.split_at(ways(i).len());
+            found[i] = unknowns.status(problem.may[i], problem.has_friction[i], basic_ways);
             basic = others;
         }
         Ok(Some(found))

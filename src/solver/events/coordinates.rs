@@ -152,20 +152,20 @@ impl Coordinates {
 /// Completes `rows` by orthonormal rows, orthogonal to them, to a basis of dimension `size`.
 fn completed(rows: Vec<Vec<f64>>, size: usize) -> Option<Vec<Vec<f64>>> {
     let mut orthonormal: Vec<Vec<f64>> = Vec::with_capacity(size);
-    let rest = |row: &[f64], orthonormal: &[Vec<f64>]| {
+    let normalised = |row: &[f64], orthonormal: &[Vec<f64>]| {
         let length = |row: &[f64]| row.iter().map(|x| x * x).sum::<f64>().sqrt();
         let (mut left, whole) = (row.to_vec(), length(row));
         // Two passes of orthogonalisation are enough.
         for other in orthonormal.iter().chain(orthonormal) {
-            let part: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
-            left.iter_mut().zip(other).for_each(|(x, y)| *x -= part * y);
+            let projection: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
+            left.iter_mut().zip(other).for_each(|(x, y)| *x -= projection * y);
         }
         let share = length(&left) / whole;
         let scale = 1.0 / (share * whole);
         (share, left.into_iter().map(|x| x * scale).collect::<Vec<_>>())
     };
     for row in &rows {
-        let (share, unit) = rest(row, &orthonormal);
+        let (share, unit) = normalised(row, &orthonormal);
         if share.is_nan() || share < INDEPENDENT {
             return None;
         }
@@ -174,7 +174,7 @@ fn completed(rows: Vec<Vec<f64>>, size: usize) -> Option<Vec<Vec<f64>>> {
     let mut completed = rows;
     while completed.len() < size {
         let unit = |k: usize| (0..size).map(|i| f64::from(u8::from(i == k))).collect::<Vec<f64>>();
-        let best = (0..size).map(|k| rest(&unit(k), &orthonormal)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let best = (0..size).map(|k| normalised(&unit(k), &orthonormal)).max_by(|a, b| a.0.total_cmp(&b.0))?;
         completed.push(best.1.clone());
         orthonormal.push(best.1);
     }

@@ -87,7 +87,7 @@ impl Dictionary {
         for (i, status) in statuses.iter().enumerate() {
             given[self.coordinates.normal[i]] = status.is_closed();
             if let Some(t) = self.coordinates.tangential[i] {
-                given[t] = status.is_held();
+                given[t] = status.is_sticking();
             }
         }
         given
@@ -114,7 +114,7 @@ impl Dictionary {
             }
         }
         let given = self.given_displacements(statuses);
-        let (free, held): (Vec<usize>, Vec<usize>) = (0..n).partition(|&k| !given[k]);
+        let (free, fixed): (Vec<usize>, Vec<usize>) = (0..n).partition(|&k| !given[k]);
         let block = |rows: &[usize], columns: &[usize]| {
             Mat::from_fn(rows.len(), columns.len(), |i, j| forces[columns[j] * n + rows[i]])
         };
@@ -123,10 +123,10 @@ impl Dictionary {
             return false;
         }
         let compliance = lu.inverse();
-        let (coupling, back) = (block(&free, &held), block(&held, &free));
+        let (coupling, back) = (block(&free, &fixed), block(&fixed, &free));
         let moved = &compliance * &coupling;
-        let carried = &back * &compliance;
-        let condensed = block(&held, &held) - &back * &moved;
+        let carried_over = &back * &compliance;
+        let condensed = block(&fixed, &fixed) - &back * &moved;
         let mut table = vec![0.0; n * n];
         let mut write = |rows: &[usize], columns: &[usize], sign: f64, values: &Mat<f64>| {
             for (j, &column) in columns.iter().enumerate() {
@@ -136,9 +136,9 @@ impl Dictionary {
             }
         };
         write(&free, &free, 1.0, &compliance);
-        write(&free, &held, -1.0, &moved);
-        write(&held, &free, 1.0, &carried);
-        write(&held, &held, 1.0, &condensed);
+        write(&free, &fixed, -1.0, &moved);
+        write(&fixed, &free, 1.0, &carried_over);
+        write(&fixed, &fixed, 1.0, &condensed);
         let finite = table.iter().all(|value| value.is_finite());
         if finite {
             self.table = table;
@@ -189,10 +189,10 @@ impl Dictionary {
         };
         // The change goes through an intermediate status, sticking or open, whose force is measured from 0.
         let drive = |status: NodeStatus| status.sign() * self.mu[i];
-        let (left, taken) = (drive(from), drive(to));
+        let (left, entered) = (drive(from), drive(to));
         if from == NodeStatus::Open && to.is_closed() {
             // F_t = (F_t - d F_n) + d F_n, both prescribed.
-            self.add_column(t, normal, taken);
+            self.add_column(t, normal, entered);
             return self.pivot(normal, false) && (to.sign() != 0.0 || self.pivot(t, false));
         }
         if to == NodeStatus::Open {
@@ -212,7 +212,7 @@ impl Dictionary {
             self.add_row(n, normal, t, left);
         }
         if to.sign() != 0.0 {
-            self.add_row(n, normal, t, -taken);
+            self.add_row(n, normal, t, -entered);
             return self.pivot(t, true);
         }
         true
@@ -249,7 +249,7 @@ impl Dictionary {
             if status.is_closed() {
                 x[self.coordinates.normal[i]] = given.gap[i];
             }
-            if let (true, Some(t)) = (status.is_held(), self.coordinates.tangential[i]) {
+            if let (true, Some(t)) = (status.is_sticking(), self.coordinates.tangential[i]) {
                 x[t] = given.slide[i];
             }
         }
@@ -275,11 +275,11 @@ impl Dictionary {
         answer.u_rest.clear();
     }
 
-    /// Measures the forces `F` of slipping nodes from the border of the cone (`way` = 1), or reverses this (`way` =
+    /// Measures the forces `F` of slipping nodes from the border of the cone (`sign` = 1), or reverses this (`sign` =
     /// -1).
-    fn measured(&self, forces: &mut [f64], way: f64) {
+    fn measured(&self, forces: &mut [f64], sign: f64) {
         for (normal, tangential, drive) in self.sliders(&self.statuses) {
-            forces[tangential] -= way * drive * forces[normal];
+            forces[tangential] -= sign * drive * forces[normal];
         }
     }
 }
@@ -319,25 +319,25 @@ impl Tangent for Dictionary {
             }
             self.measured(&mut forces, -1.0);
             for refinement in 0..3 {
-                let mut rest: Vec<f64> = (self.stiffness.chunks_exact(n.max(1)).zip(&forces))
+                let mut residual: Vec<f64> = (self.stiffness.chunks_exact(n.max(1)).zip(&forces))
                     .map(|(column, force)| force - dot(column, &w))
                     .collect();
                 // In slender bodies elastic forces are small differences of large numbers.
                 rounding = f64::EPSILON * self.stiffest * largest(&w);
                 scale = largest(&load).max(largest(&forces));
-                left = largest(&rest);
+                left = largest(&residual);
                 if left <= RESIDUAL_ROUNDINGS * rounding || refinement == 2 {
                     break;
                 }
                 // With δF + rest = Ŝ δw: prescribed members stay, and the others follow.
-                self.measured(&mut rest, 1.0);
+                self.measured(&mut residual, 1.0);
                 let pushed: Vec<f64> =
-                    rest.iter().zip(&is_given).map(|(r, given)| if *given { 0.0 } else { *r }).collect();
+                    residual.iter().zip(&is_given).map(|(r, given)| if *given { 0.0 } else { *r }).collect();
                 let change = self.product(&pushed);
                 let mut force_change = vec![0.0; n];
                 for k in 0..n {
                     if is_given[k] {
-                        force_change[k] = change[k] - rest[k];
+                        force_change[k] = change[k] - residual[k];
                     } else {
                         w[k] += change[k];
                     }

@@ -26,9 +26,9 @@ pub enum NodeStatus {
 }
 
 impl NodeStatus {
-    /// Returns slip along the tangent, or opposite to it if `way` is negative.
-    pub(super) fn slip(way: f64) -> Self {
-        if way < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
+    /// Returns slip along the tangent, or opposite to it if `direction` is negative.
+    pub(super) fn slip(direction: f64) -> Self {
+        if direction < 0.0 { NodeStatus::Backward } else { NodeStatus::Forward }
     }
 
     /// Returns `true` if the node touches its obstacle.
@@ -37,7 +37,7 @@ impl NodeStatus {
     }
 
     /// Returns `true` if the tangential displacement is prescribed.
-    pub(super) fn is_held(self) -> bool {
+    pub(super) fn is_sticking(self) -> bool {
         self == NodeStatus::Stick
     }
 
@@ -106,14 +106,14 @@ impl NodalContact {
             return;
         }
         self.u_rest.resize(self.u.len(), 0.0);
-        for (k, (u, rest)) in self.u.iter_mut().zip(&mut self.u_rest).enumerate() {
+        for (k, (u, u_rest)) in self.u.iter_mut().zip(&mut self.u_rest).enumerate() {
             let mut sum = DoubleDouble::default();
             sum.add(*u);
             sum.add_product(share, other.u[k]);
-            sum.add(*rest + share * other.u_rest.get(k).copied().unwrap_or(0.0));
+            sum.add(*u_rest + share * other.u_rest.get(k).copied().unwrap_or(0.0));
             *u = sum.value();
             sum.add(-*u);
-            *rest = sum.value();
+            *u_rest = sum.value();
         }
     }
 

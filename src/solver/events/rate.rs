@@ -85,9 +85,9 @@ impl RateSearch<'_> {
     /// Corrects statuses whose rates break a law: all at once, then one by one if this cycles.
     fn by_correction(&mut self, statuses: &mut [NodeStatus]) -> Result<bool, LinearError> {
         let concerned = self.problem.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
-        let mut seen: Vec<Vec<NodeStatus>> = Vec::new();
+        let mut visited: Vec<Vec<NodeStatus>> = Vec::new();
         let mut tried = vec![[0_usize; 4]; statuses.len()];
-        let mut alone = false;
+        let mut one_by_one = false;
         for turn in 0..TOGETHER + EACH * concerned {
             if !self.rates(statuses)? {
                 return Ok(false);
@@ -97,12 +97,12 @@ impl RateSearch<'_> {
             if breaches.is_empty() {
                 return Ok(true);
             }
-            if !alone && (turn >= TOGETHER || seen.iter().any(|before| before == statuses)) {
-                alone = true;
+            if !one_by_one && (turn >= TOGETHER || visited.iter().any(|before| before == statuses)) {
+                one_by_one = true;
                 self.effort.one_by_one += 1;
             }
-            if !alone {
-                seen.push(statuses.to_vec());
+            if !one_by_one {
+                visited.push(statuses.to_vec());
                 for breach in &breaches {
                     statuses[breach.node] = breach.to;
                 }
@@ -113,9 +113,9 @@ impl RateSearch<'_> {
             // A grazing node may skip the correct status in a cycle, so each status is tried in turn.
             let next = if self.problem.may[*node] == AdmissibleTransition::Anything && self.problem.has_friction[*node]
             {
-                tried[*node][place(statuses[*node])] += 1;
+                tried[*node][index(statuses[*node])] += 1;
                 let others = ALL.into_iter().filter(|status| *status != statuses[*node]);
-                others.min_by_key(|status| (tried[*node][place(*status)], *status != *to)).unwrap_or(*to)
+                others.min_by_key(|status| (tried[*node][index(*status)], *status != *to)).unwrap_or(*to)
             } else {
                 *to
             };
@@ -159,6 +159,6 @@ impl RateSearch<'_> {
 
 const ALL: [NodeStatus; 4] = [NodeStatus::Stick, NodeStatus::Forward, NodeStatus::Backward, NodeStatus::Open];
 
-fn place(status: NodeStatus) -> usize {
+fn index(status: NodeStatus) -> usize {
     ALL.iter().position(|other| *other == status).unwrap_or(0)
 }

@@ -89,7 +89,7 @@ impl RateProblem<'_> {
         let mut breaches = Vec::new();
         for (i, (&status, &may)) in statuses.iter().zip(self.may).enumerate() {
             let slip = rate.w_t[i] - self.given.slide[i];
-            let beyond = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
+            let excess = |sign: f64| sign * rate.p_t[i] - self.mu[i] * rate.p_n[i];
             let along = |sign: f64| if self.has_friction[i] { NodeStatus::slip(sign) } else { NodeStatus::Forward };
             let (value, scale, to) = match (may, status) {
                 (AdmissibleTransition::Anything, NodeStatus::Open) => {
@@ -102,9 +102,9 @@ impl RateProblem<'_> {
                 _ if !self.has_friction[i] => continue,
                 (AdmissibleTransition::Anything, NodeStatus::Stick) => {
                     let sign = if rate.p_t[i] < 0.0 { -1.0 } else { 1.0 };
-                    (beyond(sign), force, NodeStatus::slip(sign))
+                    (excess(sign), force, NodeStatus::slip(sign))
                 }
-                (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => (beyond(sign), force, NodeStatus::slip(sign)),
+                (AdmissibleTransition::Turn(sign), NodeStatus::Stick) => (excess(sign), force, NodeStatus::slip(sign)),
                 (_, NodeStatus::Forward | NodeStatus::Backward) => (-status.sign() * slip, length, NodeStatus::Stick),
             };
             if value > RATE_ROUNDING * scale {

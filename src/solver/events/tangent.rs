@@ -253,7 +253,7 @@ impl<'a> Refined<'a> {
         let [p_t, p_o] = self.along_both(&of.p_t.iter().map(|p| p * force).collect::<Vec<_>>());
         State {
             u: of.u.iter().map(|u| u * length).collect(),
-            u_rest: of.u_rest.iter().map(|rest| rest * length).collect(),
+            u_rest: of.u_rest.iter().map(|u_rest| u_rest * length).collect(),
             p_t,
             p_o,
             p_n: of.p_n.iter().map(|p| p * force).collect(),
@@ -277,7 +277,7 @@ impl<'a> Refined<'a> {
                 left.gap[i] =
                     -self.problem.c_n().difference(i, &state.u, &state.u_rest, given.gap[i] * length) / length;
             }
-            if let (true, Some(k)) = (status.is_held(), self.tangents[i]) {
+            if let (true, Some(k)) = (status.is_sticking(), self.tangents[i]) {
                 left.slide[i] = -maps[k].difference(i, &state.u, &state.u_rest, given.slide[i] * length) / length;
             }
         }

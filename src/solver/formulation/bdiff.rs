@@ -106,22 +106,22 @@ impl Bdiff {
         if self.layout().slides_in_a_plane(i) { case } else { case.straight() }
     }
 
-    /// Computes the contact rows of (19). The low-order part `rest` of `z` is used because a small gap and the
+    /// Computes the contact rows of (19). The low-order part `z_lo` of `z` is used because a small gap and the
     /// direction of a small slip may be lost in the rounding of `z`.
-    fn contact_rows(&self, z: &[f64], rest: Option<&[f64]>, h: &mut [f64]) {
+    fn contact_rows(&self, z: &[f64], z_lo: Option<&[f64]>, h: &mut [f64]) {
         let Bdiff { data, rows, .. } = self;
         for i in 0..data.layout.contacts() {
             let n = data.layout.p_n(i);
-            let approach = match rest {
+            let approach = match z_lo {
                 None => data.w_n(i, z) - data.gap[i],
-                Some(rest) => data.approach_beyond(i, z, rest),
+                Some(z_lo) => data.approach_dd(i, z, z_lo),
             };
             h[n] = rows.normal(i, z[n], approach);
             if data.layout.has_friction(i) {
                 let pressure = rows.pressure(i, z[n], approach);
-                let slip = match rest {
+                let slip = match z_lo {
                     None => data.slip(i, data.tangential(i, z)),
-                    Some(rest) => data.slip_beyond(i, z, rest),
+                    Some(z_lo) => data.slip_dd(i, z, z_lo),
                 };
                 let tangential = rows.tangential(data, i, data.friction(i, z), pressure, slip);
                 data.layout.set_tangential(i, tangential, h);
@@ -140,14 +140,14 @@ impl Bdiff {
 
     /// Writes the rows of node `i` for its cases in (21). Returns `true` if they changed.
     fn write_rows(&mut self, i: usize, (normal, tangential): Case) -> bool {
-        let kept = self.cases[i].is_some_and(|(last_normal, last)| {
+        let keeps_case = self.cases[i].is_some_and(|(last_normal, last)| {
             let like = match (&last, &tangential) {
                 (Some(last), Some(tangential)) => tangential.is_like(last),
                 _ => last == tangential,
             };
             last_normal == normal && like
         });
-        if kept {
+        if keeps_case {
             return false;
         }
         self.cases[i] = Some((normal, tangential));
@@ -215,31 +215,31 @@ impl Bdiff {
             *row -= force;
         }
         for spring in self.matrix.springs() {
-            h[spring.place] -= spring.stiffness * z[spring.place];
+            h[spring.dof] -= spring.stiffness * z[spring.dof];
         }
         self.contact_rows(z, None, h);
         Ok(())
     }
 
-    /// Computes `h = H_N(z + rest)`, the linear rows in twice the working precision. `rest` is below the rounding of
+    /// Computes `h = H_N(z + z_lo)`, the linear rows in twice the working precision. `z_lo` is below the rounding of
     /// `z`.
     ///
     /// # Errors
     /// As [`Bdiff::residual`].
-    pub fn residual_beyond(&self, z: &[f64], rest: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
+    pub fn residual_dd(&self, z: &[f64], z_lo: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
         let mut sums = vec![DoubleDouble::default(); h.len()];
         let n = self.layout().displacements();
-        let (mut strained, mut strained_rest) = strained(&self.data.rigid_modes, &z[..n], &rest[..n]);
+        let (mut strained, mut strained_lo) = strained(&self.data.rigid_modes, &z[..n], &z_lo[..n]);
         strained.extend(&z[n..]);
-        strained_rest.extend(&rest[n..]);
-        self.matrix.matrix().add_beyond(&strained, &strained_rest, &mut sums)?;
+        strained_lo.extend(&z_lo[n..]);
+        self.matrix.matrix().add_beyond(&strained, &strained_lo, &mut sums)?;
         for spring in self.matrix.springs() {
-            sums[spring.place].add_product(-spring.stiffness, strained[spring.place]);
-            sums[spring.place].add(-spring.stiffness * strained_rest[spring.place]);
+            sums[spring.dof].add_product(-spring.stiffness, strained[spring.dof]);
+            sums[spring.dof].add(-spring.stiffness * strained_lo[spring.dof]);
         }
         sums.iter_mut().zip(&self.data.force).for_each(|(sum, force)| sum.add(-force));
         h.iter_mut().zip(sums).for_each(|(row, sum)| *row = sum.value());
-        self.contact_rows(z, Some(rest), h);
+        self.contact_rows(z, Some(z_lo), h);
         Ok(())
     }
 
@@ -514,22 +514,22 @@ impl Bdiff {
     }
 
     /// Restores a linearisation from a snapshot. Returns `false` if the snapshot belongs to another problem.
-    pub fn linearize_as(&mut self, kept: &Linearization) -> bool {
+    pub fn linearize_as(&mut self, saved: &Linearization) -> bool {
         let contacts = self.layout().contacts();
         let has_friction = |i: usize| self.layout().has_friction(i);
         let fits = |(i, case): (usize, &Option<Case>)| case.is_none_or(|(_, case)| case.is_some() == has_friction(i));
-        if [kept.cases.len(), kept.mu.len()] != [contacts; 2] || !kept.cases.iter().enumerate().all(fits) {
+        if [saved.cases.len(), saved.mu.len()] != [contacts; 2] || !saved.cases.iter().enumerate().all(fits) {
             return false;
         }
-        self.data.mu = kept.mu.clone().into();
+        self.data.mu = saved.mu.clone().into();
         self.cases.fill(None);
         self.matrix.release();
-        for (i, case) in kept.cases.iter().enumerate() {
+        for (i, case) in saved.cases.iter().enumerate() {
             if let Some(case) = case {
                 self.write_rows(i, *case);
             }
         }
-        if kept.cases.iter().any(Option::is_some) {
+        if saved.cases.iter().any(Option::is_some) {
             self.pin_unconstrained_modes();
         }
         true

@@ -62,11 +62,11 @@ impl ConeSystem {
         let (first, contacts) = (layout.unknowns(), layout.contacts());
         let normal = (0..contacts).map(|i| Pair { force: layout.p_n(i), length: first + i });
         let mut pairs: Vec<Pair> = normal.collect();
-        let rough = (0..contacts).filter(|&i| layout.has_friction(i)).count();
+        let frictional = (0..contacts).filter(|&i| layout.has_friction(i)).count();
         let mut next = first + contacts;
         let mut place = |i: usize| {
             layout.has_friction(i).then(|| {
-                let pair = Pair { force: next, length: next + rough };
+                let pair = Pair { force: next, length: next + frictional };
                 next += 1;
                 pair
             })
@@ -156,7 +156,7 @@ impl InteriorPoint for ConeSystem {
             (z[p_n], z[v_n]) = (force, length);
             layout.set_tangential(i, [0.0; 2], z);
             if let Some(pair) = self.friction[i] {
-                let (mu, slip) = (data.mu[i], data.slip_beyond_reach(i, z, length));
+                let (mu, slip) = (data.mu[i], data.excess_slip(i, z, length));
                 // With |p_T| = e ρ along the slip and e / (1 - e²) = far, both equations of friction hold, and the
                 // product of the pair equals that without slip.
                 let far = 0.5 * mu * size(slip) / length;

@@ -19,7 +19,7 @@ use std::ops::Range;
 
 use serde::{Deserialize, Serialize};
 
-use super::interior::{Face, InteriorPoint, Pair, Paired, largest_step, least, reach};
+use super::interior::{Face, InteriorPoint, Pair, Paired, largest_step, least, max_step_of};
 use super::mixed::TangentialRow;
 use super::natural::half_square;
 use super::{Assembled, FormulationScaling, Layout};
@@ -128,7 +128,7 @@ impl Constrained {
     /// Returns `δ`, the largest step for which `z + δ dz` is in the closure of `Ω₊₊`; infinite if there is no
     /// largest. `h` is the residual at `z`, and `centring` the target of the rows of `G`.
     pub fn largest_step(&self, z: &[f64], dz: &[f64], h: &[f64], centring: f64) -> f64 {
-        let cone = self.positive_cone_rows().map(|k| reach(h[k], centring - h[k]));
+        let cone = self.positive_cone_rows().map(|k| max_step_of(h[k], centring - h[k]));
         least(cone.chain([largest_step(&self.paired.pairs, z, dz)]))
     }
 }
@@ -209,7 +209,7 @@ impl InteriorPoint for Constrained {
             let pressure = z[p_n].max(0.0);
             if let Some(p_t) = data.layout.p_t(i) {
                 let (mu, s, lambda) = (data.mu[i], layout.s(p_t), layout.lambda(p_t));
-                let [slip, _] = data.slip_beyond_reach(i, z, length);
+                let [slip, _] = data.excess_slip(i, z, length);
                 for (sign, s, lambda) in [(1.0, s[0], lambda[0]), (-1.0, s[1], lambda[1])] {
                     let reserve = (mu * pressure - sign * z[p_t]).max(0.0);
                     (z[s], z[lambda]) = central_pair(reserve, mu * force, (sign * slip).max(0.0), length);

@@ -228,11 +228,11 @@ impl Face {
 
 /// Returns the largest step for which all `pairs` of `z + t dz` are nonnegative; infinite if there is no largest.
 pub fn largest_step(pairs: &[Pair], z: &[f64], dz: &[f64]) -> f64 {
-    least(pairs.iter().flat_map(|pair| [pair.force, pair.length]).map(|k| reach(z[k], dz[k])))
+    least(pairs.iter().flat_map(|pair| [pair.force, pair.length]).map(|k| max_step_of(z[k], dz[k])))
 }
 
 /// Returns the largest step for which a positive `value` stays nonnegative along its `change`.
-pub(super) fn reach(value: f64, change: f64) -> f64 {
+pub(super) fn max_step_of(value: f64, change: f64) -> f64 {
     if change < 0.0 { -value / change } else { f64::INFINITY }
 }
 

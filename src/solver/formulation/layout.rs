@@ -120,11 +120,11 @@ impl Layout {
         z
     }
 
-    /// Returns the state of `z + rest`, where `rest` is below the rounding of `z`, or all 0.
-    pub(crate) fn unpacked_with(&self, z: &[f64], rest: &[f64], scaling: &Scaling) -> State {
+    /// Returns the state of `z + z_lo`, where `z_lo` is below the rounding of `z`, or all 0.
+    pub(crate) fn unpacked_with(&self, z: &[f64], z_lo: &[f64], scaling: &Scaling) -> State {
         let mut state = self.unpacked(z, scaling);
-        if rest.iter().any(|rest| *rest != 0.0) {
-            state.u_rest = rest[..self.displacements].iter().map(|x| x * scaling.length).collect();
+        if z_lo.iter().any(|rest| *rest != 0.0) {
+            state.u_rest = z_lo[..self.displacements].iter().map(|x| x * scaling.length).collect();
         }
         state
     }
@@ -141,8 +141,8 @@ impl Layout {
     /// Computes [`Layout::unpack`] of a `z` that is long enough.
     pub(crate) fn unpacked(&self, z: &[f64], scaling: &Scaling) -> State {
         let tangential = |direction: usize| {
-            let places = self.tangential.iter().map(|places| places[direction]);
-            places.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
+            let dofs = self.tangential.iter().map(|places| places[direction]);
+            dofs.map(|k| k.map_or(0.0, |k| z[k] * scaling.force)).collect()
         };
         State {
             u: z[..self.displacements].iter().map(|x| x * scaling.length).collect(),

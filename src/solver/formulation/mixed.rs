@@ -21,7 +21,7 @@ pub(super) struct MixedMatrix {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Spring {
     /// The index of the displacement.
-    pub place: usize,
+    pub dof: usize,
     /// The stiffness, equal to the entry of `K`, so that adding and removing it causes no rounding.
     pub stiffness: f64,
 }
@@ -61,11 +61,11 @@ impl MixedMatrix {
         let slot = |row, column| slot(matrix.pattern(), row, column);
         let slots = (0..layout.contacts()).map(|i| {
             let p_n = layout.p_n(i);
-            let places = layout.tangential(i);
-            let tangential = places.map(|row| {
+            let dofs = layout.tangential(i);
+            let tangential = dofs.map(|row| {
                 row.map(|row| TangentialSlots {
                     u: sliding(problem, layout, i).into_iter().map(|(dof, c)| (slot(row, dof), c)).collect(),
-                    p: places.map(|p| p.map(|p| slot(row, p))),
+                    p: dofs.map(|p| p.map(|p| slot(row, p))),
                     p_n: slot(row, p_n),
                 })
             });
@@ -80,35 +80,35 @@ impl MixedMatrix {
         MixedMatrix { matrix, slots, springs: Vec::new() }
     }
 
-    /// Pins the displacements at `places` by springs as stiff as their entries of `K`, or of unit stiffness if an
+    /// Pins the displacements at `dofs` by springs as stiff as their entries of `K`, or of unit stiffness if an
     /// entry is 0.
-    pub(super) fn tie(&mut self, places: impl Iterator<Item = usize>) {
-        for place in places {
-            if let Some(slot) = self.matrix.pattern().slot(place, place) {
-                let stiffness = self.stiffness_at(place);
+    pub(super) fn tie(&mut self, dofs: impl Iterator<Item = usize>) {
+        for dof in dofs {
+            if let Some(slot) = self.matrix.pattern().slot(dof, dof) {
+                let stiffness = self.stiffness_at(dof);
                 self.matrix.rest_mut().values_mut()[slot] += stiffness;
-                self.springs.push(Spring { place, stiffness });
+                self.springs.push(Spring { dof, stiffness });
             }
         }
     }
 
     /// Removes all springs.
     pub(super) fn release(&mut self) {
-        for Spring { place, stiffness } in std::mem::take(&mut self.springs) {
-            let slot = slot(self.matrix.pattern(), place, place);
+        for Spring { dof, stiffness } in std::mem::take(&mut self.springs) {
+            let slot = slot(self.matrix.pattern(), dof, dof);
             self.matrix.rest_mut().values_mut()[slot] -= stiffness;
         }
     }
 
     /// Returns the entry of `K` of a displacement, or 1 if it is 0.
-    fn stiffness_at(&self, place: usize) -> f64 {
-        Some(self.matrix.get(place, place)).filter(|own| *own > 0.0).unwrap_or(1.0)
+    fn stiffness_at(&self, dof: usize) -> f64 {
+        Some(self.matrix.get(dof, dof)).filter(|own| *own > 0.0).unwrap_or(1.0)
     }
 
-    /// Adds a drag of this `share` of its stiffness to the displacement `place`, and returns it.
-    pub(super) fn drag(&mut self, place: usize, share: f64) -> f64 {
-        let drag = share * self.stiffness_at(place);
-        if let Some(slot) = self.matrix.pattern().slot(place, place) {
+    /// Adds a drag of this `share` of its stiffness to the displacement `dof`, and returns it.
+    pub(super) fn drag(&mut self, dof: usize, share: f64) -> f64 {
+        let drag = share * self.stiffness_at(dof);
+        if let Some(slot) = self.matrix.pattern().slot(dof, dof) {
             self.matrix.rest_mut().values_mut()[slot] += drag;
         }
         drag
@@ -228,12 +228,12 @@ fn union_pattern(problem: &ContactProblem, layout: &Layout) -> Pattern {
             let p_n = layout.p_n(i);
             problem.c_n().row(i).iter().for_each(|&(dof, _)| take(p_n, dof));
             take(p_n, p_n);
-            let places = layout.tangential(i).into_iter().flatten();
-            for row in places.clone() {
+            let dofs = layout.tangential(i).into_iter().flatten();
+            for row in dofs.clone() {
                 for (dof, _) in sliding(problem, layout, i) {
                     take(row, dof);
                 }
-                places.clone().for_each(|p| take(row, p));
+                dofs.clone().for_each(|p| take(row, p));
                 take(row, p_n);
             }
         }

@@ -148,8 +148,8 @@ impl NaturalRows {
         let layout = &data.layout;
         let mut contact = 0.0;
         for i in 0..layout.contacts() {
-            let places = layout.tangential(i).into_iter().flatten().chain([layout.p_n(i)]);
-            contact += places.map(|k| h[k].powi(2)).sum::<f64>() / self.row_unit[i].powi(2);
+            let dofs = layout.tangential(i).into_iter().flatten().chain([layout.p_n(i)]);
+            contact += dofs.map(|k| h[k].powi(2)).sum::<f64>() / self.row_unit[i].powi(2);
         }
         (half_square(&h[..layout.displacements()]) + 0.5 * contact) * data.scaling.force.powi(2)
     }

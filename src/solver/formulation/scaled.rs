@@ -120,25 +120,25 @@ impl ScaledData {
         [w_t - self.w_t_last[i], w_o - self.w_o_last[i]]
     }
 
-    /// Returns `w_n - g` of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
-    pub(super) fn approach_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> f64 {
-        self.c_n.difference(i, z, rest, self.gap[i]) - self.compliance[i][0] * z[self.layout.p_n(i)]
+    /// Returns `w_n - g` of node `i` at `z + z_lo`, where `z_lo` is below the rounding of `z`.
+    pub(super) fn approach_dd(&self, i: usize, z: &[f64], z_lo: &[f64]) -> f64 {
+        self.c_n.difference(i, z, z_lo, self.gap[i]) - self.compliance[i][0] * z[self.layout.p_n(i)]
     }
 
-    /// Returns the slip increment of node `i` at `z + rest`, where `rest` is below the rounding of `z`.
-    pub(super) fn slip_beyond(&self, i: usize, z: &[f64], rest: &[f64]) -> [f64; 2] {
+    /// Returns the slip increment of node `i` at `z + z_lo`, where `z_lo` is below the rounding of `z`.
+    pub(super) fn slip_dd(&self, i: usize, z: &[f64], z_lo: &[f64]) -> [f64; 2] {
         let slip =
-            [self.c_t.difference(i, z, rest, self.w_t_last[i]), self.c_o.difference(i, z, rest, self.w_o_last[i])];
+            [self.c_t.difference(i, z, z_lo, self.w_t_last[i]), self.c_o.difference(i, z, z_lo, self.w_o_last[i])];
         let p = self.friction(i, z);
         [0, 1].map(|k| slip[k] - self.compliance[i][1] * p[k])
     }
 
-    /// Returns the part of the slip increment of node `i` at `z` beyond `reach`, the deformation due to the load: the
+    /// Returns the part of the slip increment of node `i` at `z` beyond `elastic`, the deformation due to the load: the
     /// slip of a body with a rigid offset, or due to a moving obstacle.
-    pub(super) fn slip_beyond_reach(&self, i: usize, z: &[f64], reach: f64) -> [f64; 2] {
+    pub(super) fn excess_slip(&self, i: usize, z: &[f64], elastic: f64) -> [f64; 2] {
         let slip = self.slip(i, self.tangential(i, z));
         let size = length(slip);
-        if size > reach { slip.map(|w| w * (1.0 - reach / size)) } else { [0.0; 2] }
+        if size > elastic { slip.map(|w| w * (1.0 - elastic / size)) } else { [0.0; 2] }
     }
 
     /// Returns `p_T = (p_t, p_o)` of node `i`; missing components are 0.
@@ -164,7 +164,7 @@ impl ScaledData {
     /// Returns the displacements on which contact forces act, ascending.
     pub(super) fn contact_displacements(&self) -> Vec<usize> {
         let ScaledData { layout, c_n, c_t, c_o, .. } = self;
-        let mut places: Vec<usize> = (0..layout.contacts())
+        let mut dofs: Vec<usize> = (0..layout.contacts())
             .flat_map(|i| {
                 let [p_t, p_o] = layout.tangential(i);
                 let tangential = [(c_t, p_t), (c_o, p_o)].into_iter().filter(|(_, place)| place.is_some());
@@ -172,9 +172,9 @@ impl ScaledData {
                 rows.flatten().map(|(dof, _)| *dof).collect::<Vec<_>>()
             })
             .collect();
-        places.sort_unstable();
-        places.dedup();
-        places
+        dofs.sort_unstable();
+        dofs.dedup();
+        dofs
     }
 
     /// Returns the sum of the rigid modes with these `weights`, followed by zeros up to `length`.

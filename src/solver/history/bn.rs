@@ -29,7 +29,7 @@ pub(super) struct BnMethod {
     closes: bool,
     z: Vec<f64>,
     /// The low-order part of `z`.
-    rest: Vec<f64>,
+    z_lo: Vec<f64>,
     /// The end of the last increment, if it is measured and has been solved.
     last: Option<Vec<f64>>,
     /// The state on the tangent from which the last increment started, if it did.
@@ -62,7 +62,7 @@ impl BnMethod {
             formulation,
             measured,
             closes: !problem.rigid_modes().is_empty(),
-            rest: vec![0.0; z.len()],
+            z_lo: vec![0.0; z.len()],
             z,
             last: None,
             ahead: None,
@@ -157,7 +157,7 @@ impl IncrementSolver for BnMethod {
         let from = self.z.clone();
         let is_at_end = self.last.as_ref() == Some(&from) && task.landed.is_none() && !solved;
         self.begin(task, is_at_end.then_some(&*from), linear)?;
-        let BnMethod { formulation, bn, measured, z, rest, last, ahead, .. } = self;
+        let BnMethod { formulation, bn, measured, z, z_lo, last, ahead, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         task.response.add_to(z);
         if task.first && *measured && !solved {
@@ -168,18 +168,18 @@ impl IncrementSolver for BnMethod {
             z.copy_from_slice(ahead);
             formulation.slip_where_closing(z);
         }
-        let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
+        let mut error = |z: &[f64], z_lo: &[f64]| task.error(&layout.unpacked_with(z, z_lo, &scaling));
         let end = match measured {
             true => StopCriterion::Measured { tolerance: task.tolerance, error: &mut error },
             false => StopCriterion::Merit(PAPER_MERIT),
         };
         let outcome = bn.solve(formulation, linear, z, end, observe)?;
-        rest.copy_from_slice(bn.rest());
+        z_lo.copy_from_slice(bn.z_lo());
         *last = None;
         if outcome.stop == Termination::Converged && formulation.is_pinned() {
             // One of many solutions: takes the nearest, if it remains a solution after rounding.
             let settled = formulation.settled(z, &start);
-            if error(&settled, rest)? <= error(z, rest)?.max(task.tolerance) {
+            if error(&settled, z_lo)? <= error(z, z_lo)?.max(task.tolerance) {
                 *z = settled;
             }
         }
@@ -193,7 +193,7 @@ impl IncrementSolver for BnMethod {
     }
 
     fn state(&self) -> State {
-        self.formulation.layout().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+        self.formulation.layout().unpacked_with(&self.z, &self.z_lo, self.formulation.scaling())
     }
 
     fn ahead(
@@ -205,12 +205,12 @@ impl IncrementSolver for BnMethod {
         let BnMethod { formulation, bn, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         if self.ahead.is_none() {
-            let (kept, is_factored) = (formulation.linearization(), bn.has_factors(linear));
+            let (saved, is_factored) = (formulation.linearization(), bn.has_factors(linear));
             formulation.linearize_for(cases);
             if bn.factor(formulation, linear)? {
                 self.ahead = ahead(formulation, bn, linear, start)?;
             }
-            formulation.linearize_as(&kept);
+            formulation.linearize_as(&saved);
             if is_factored {
                 bn.factor(formulation, linear)?;
             }
@@ -221,8 +221,8 @@ impl IncrementSolver for BnMethod {
     fn set_state(&mut self, state: &State) {
         let (layout, scaling) = (self.formulation.layout(), *self.formulation.scaling());
         self.z.copy_from_slice(&layout.packed(state, &scaling));
-        self.rest.fill(0.0);
-        self.rest.iter_mut().zip(&state.u_rest).for_each(|(rest, u_rest)| *rest = u_rest / scaling.length);
+        self.z_lo.fill(0.0);
+        self.z_lo.iter_mut().zip(&state.u_rest).for_each(|(z_lo, u_rest)| *z_lo = u_rest / scaling.length);
     }
 
     fn unknowns(&mut self) -> &mut Vec<f64> {
@@ -236,7 +236,7 @@ impl IncrementSolver for BnMethod {
     fn snapshot(&self, linear: &RefinedSolver) -> Snapshot {
         Snapshot {
             unknowns: self.z.clone(),
-            rest: self.rest.clone(),
+            z_lo: self.z_lo.clone(),
             last: self.last.clone(),
             errors: self.errors.clone(),
             linearization: Some(self.formulation.linearization()),
@@ -246,14 +246,14 @@ impl IncrementSolver for BnMethod {
     }
 
     fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        let Snapshot { unknowns, rest, last, errors, linearization, is_factored, .. } = snapshot;
+        let Snapshot { unknowns, z_lo, last, errors, linearization, is_factored, .. } = snapshot;
         let n = self.z.len();
         let errors_fit = match (&self.errors, &errors) {
             (Some(own), Some(kept)) => own.fit(kept),
             (own, kept) => own.is_none() && kept.is_none(),
         };
         let last_fits = last.as_ref().is_none_or(|z| z.len() == n);
-        if !(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && last_fits && errors_fit) {
+        if !(take_over(&mut self.z, &unknowns) && take_over(&mut self.z_lo, &z_lo) && last_fits && errors_fit) {
             return Ok(false);
         }
         (self.last, self.errors) = (last, errors);

@@ -102,7 +102,7 @@ impl<'a> Body<'a> {
                 break;
             }
             reached = refined;
-            contact.go_on();
+            contact.add_response();
         }
         Ok(reached)
     }
@@ -142,8 +142,8 @@ fn correct(
     if state.u_rest.is_empty() {
         state.u.iter_mut().zip(&du).for_each(|(u, du)| *u += du);
     } else {
-        for ((u, rest), du) in state.u.iter_mut().zip(&mut state.u_rest).zip(&du) {
-            (*u, *rest) = sum(*u, *rest + du);
+        for ((u, u_rest), du) in state.u.iter_mut().zip(&mut state.u_rest).zip(&du) {
+            (*u, *u_rest) = sum(*u, *u_rest + du);
         }
     }
     for (p, dp) in [(&mut state.p_n, change.p_n), (&mut state.p_t, change.p_t), (&mut state.p_o, change.p_o)] {
@@ -161,5 +161,5 @@ pub(super) trait Responds {
     fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
 
     /// Adds the last response to the state.
-    fn go_on(&mut self);
+    fn add_response(&mut self);
 }

@@ -95,17 +95,17 @@ impl<'a> HistoryDriver<'a> {
             nodes = saved.nodes.take();
         }
         loop {
-            let part = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
-            let held = part.as_ref().map_or(all, |(_, nodes)| nodes.len());
-            if !std::mem::take(&mut resumes) && (part.is_some() || self.outcome.working_set.is_some()) {
-                let first = WorkingSet { first: held, last: held, all, grown: 0 };
-                let grown = |before: WorkingSet| WorkingSet { last: held, grown: before.grown + 1, ..before };
+            let subset = nodes.take().and_then(|nodes| Some((algorithm.of_nodes(&nodes)?, nodes)));
+            let size = subset.as_ref().map_or(all, |(_, nodes)| nodes.len());
+            if !std::mem::take(&mut resumes) && (subset.is_some() || self.outcome.working_set.is_some()) {
+                let first = WorkingSet { first: size, last: size, all, grown: 0 };
+                let grown = |before: WorkingSet| WorkingSet { last: size, grown: before.grown + 1, ..before };
                 self.outcome.working_set = Some(self.outcome.working_set.map_or(first, grown));
             }
-            match self.condensed_stage(algorithm, condensation, part) {
+            match self.condensed_stage(algorithm, condensation, subset) {
                 Ok(None) => return Ok(()),
                 Ok(Some(more)) => {
-                    self.joined += more.len() - held;
+                    self.joined += more.len() - size;
                     nodes = (more.len() < all).then_some(more);
                 }
                 Err(Error::Linear(LinearError::OutOfMemory { .. })) if self.increment_clock.is_some() => {
@@ -122,9 +122,9 @@ impl<'a> HistoryDriver<'a> {
         &mut self,
         algorithm: &dyn Algorithm,
         condensation: &Condensation,
-        part: Option<(Box<dyn Algorithm>, Vec<usize>)>,
+        subset: Option<(Box<dyn Algorithm>, Vec<usize>)>,
     ) -> Result<Option<Vec<usize>>, Error> {
-        let (own, condensed) = match part {
+        let (own, condensed) = match subset {
             Some((own, nodes)) => {
                 (Some(own), Condensed::of_nodes(self.body.problem, self.body.loading, nodes, condensation.cholesky()))
             }

@@ -62,7 +62,7 @@ struct ExactHistory<'a> {
 /// The start of a step, for the friction law.
 struct StepStart {
     /// The displacements relative to the obstacles along both tangents, n_c, m.
-    places: [Vec<f64>; 2],
+    slips: [Vec<f64>; 2],
     time: f64,
 }
 
@@ -167,7 +167,7 @@ impl ExactHistory<'_> {
                 sum: Step::default(),
             };
             let (step_start, lost) = loop {
-                let step_start = StepStart { places: self.path.places(), time: self.path.time() };
+                let step_start = StepStart { slips: self.path.slips(), time: self.path.time() };
                 let step = self.path.step(time)?;
                 step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
                 in_progress.sum.friction_work += step.friction_work;
@@ -264,13 +264,13 @@ impl ExactHistory<'_> {
         (left <= USED_UP * most).then_some(motion)
     }
 
-    /// Evaluates `see` for the loads at `time`.
-    fn under_load<T>(&self, time: f64, see: impl FnOnce(&Load<'_>) -> T) -> T {
+    /// Evaluates `evaluate` for the loads at `time`.
+    fn under_load<T>(&self, time: f64, evaluate: impl FnOnce(&Load<'_>) -> T) -> T {
         let Body { problem, loading, .. } = self.body;
         let n = problem.displacements();
         let (mut force, sizes) = (vec![0.0; n], loading.force_sizes(time, n));
         loading.force(time, &mut force);
-        see(&Load { force: &force, sizes: &sizes })
+        evaluate(&Load { force: &force, sizes: &sizes })
     }
 
     /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
@@ -288,7 +288,7 @@ impl ExactHistory<'_> {
             (None, None) => None,
         };
         let Some((time, HistoryOutcome { state, records, .. })) = landed else { return Ok(false) };
-        let data = StepData::new(problem, loading, time, &StepStart { places: self.path.places(), time: lost.time });
+        let data = StepData::new(problem, loading, time, &StepStart { slips: self.path.slips(), time: lost.time });
         let statuses = statuses_of(problem, &data.increment(), &state);
         let before = self.path.statuses().to_vec();
         self.path.continue_from(time, &self.body.restricted(&state), &statuses);
@@ -379,7 +379,7 @@ impl Responds for ExactPath<'_> {
 
     /// Does nothing: the path continues from the state of its own problem, so that it does not depend on the output
     /// times.
-    fn go_on(&mut self) {}
+    fn add_response(&mut self) {}
 }
 
 /// The data of a step, with the arrays that an [`Increment`] borrows.
@@ -408,7 +408,7 @@ impl StepData {
         (force, gap, drift): (Vec<f64>, Vec<f64>, [Vec<f64>; 2]),
         step_start: &StepStart,
     ) -> Self {
-        let past = |k: usize| step_start.places[k].iter().zip(&drift[k]).map(|(place, drift)| place + drift).collect();
+        let past = |k: usize| step_start.slips[k].iter().zip(&drift[k]).map(|(slip, drift)| slip + drift).collect();
         StepData { time, force, gap, mu: problem.mu().to_vec(), w_last: [0, 1].map(past) }
     }
 
@@ -444,14 +444,14 @@ impl RestartPoint<'_> {
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(super) fn jump(&self, to: f64, means: &mut JumpSolver<'_>) -> Result<Option<(f64, HistoryOutcome)>, Error> {
+    pub(super) fn jump(&self, to: f64, solver: &mut JumpSolver<'_>) -> Result<Option<(f64, HistoryOutcome)>, Error> {
         let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
         for halvings in 0..=self.settings.halvings {
             let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
             if time <= self.time {
                 break;
             }
-            let outcome = self.try_to(&[time], &settings, &mut (), means)?;
+            let outcome = self.try_to(&[time], &settings, &mut (), solver)?;
             if outcome.status == Status::Converged && !outcome.records.is_empty() {
                 return Ok(Some((time, outcome)));
             }
@@ -464,13 +464,13 @@ impl RestartPoint<'_> {
     ///
     /// # Errors
     /// As [`super::run`].
-    pub(crate) fn go_on(
+    pub(crate) fn proceed(
         &self,
         times: &[f64],
         observer: &mut dyn Observer,
-        means: &mut JumpSolver<'_>,
+        solver: &mut JumpSolver<'_>,
     ) -> Result<Status, Error> {
-        Ok(self.try_to(times, self.settings, observer, means)?.status)
+        Ok(self.try_to(times, self.settings, observer, solver)?.status)
     }
 
     fn try_to(
@@ -478,7 +478,7 @@ impl RestartPoint<'_> {
         times: &[f64],
         settings: &HistorySettings,
         observer: &mut dyn Observer,
-        means: &mut JumpSolver<'_>,
+        solver: &mut JumpSolver<'_>,
     ) -> Result<HistoryOutcome, Error> {
         let &RestartPoint { problem, loading, ref state, ref scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
@@ -493,7 +493,7 @@ impl RestartPoint<'_> {
         };
         let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, &mut history);
         driver.is_ready = true;
-        match means {
+        match solver {
             JumpSolver::Whole(linear) => {
                 driver.stage(settings, driver.body, linear)?;
             }

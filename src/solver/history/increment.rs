@@ -120,7 +120,7 @@ impl IncrementObserver<'_> {
 
     /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
     /// `increment` and `state` relative to the initial configuration.
-    pub(super) fn part(
+    pub(super) fn report_substep(
         &mut self,
         time: f64,
         data: &Increment<'_>,
@@ -131,7 +131,7 @@ impl IncrementObserver<'_> {
         let statuses = statuses_of(self.problem, data, &result.state);
         let at = (self.index, time, data.force);
         let record = result.record(self.problem, at, &statuses, Seconds::default());
-        self.observer.part(&IncrementView { record: &record, increment, state, statuses: &statuses });
+        self.observer.substep(&IncrementView { record: &record, increment, state, statuses: &statuses });
     }
 }
 
@@ -143,17 +143,17 @@ impl IncrementDriver<'_> {
         Increment { force, gap, mu, w_t_last, w_o_last }
     }
 
-    /// Calls `see` with the last substep's data and state, both relative to the initial configuration.
-    pub(super) fn show<T>(&self, state: &State, see: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
+    /// Calls `evaluate` with the last substep's data and state, both relative to the initial configuration.
+    pub(super) fn show<T>(&self, state: &State, evaluate: impl FnOnce(&Increment<'_>, &State) -> T) -> T {
         let RigidOffset { w_n, w_t: [w_t, w_o], .. } = &self.history.offset;
         if !self.history.offset.is_nonzero() {
-            return see(&self.data(), state);
+            return evaluate(&self.data(), state);
         }
         let moved = |x: &[f64], by: &[f64]| x.iter().zip(by).map(|(x, by)| x + by).collect::<Vec<f64>>();
         let gap = moved(&self.stage.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.stage.w_t_last, w_t), moved(&self.stage.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        see(&data, &self.history.offset.whole(state))
+        evaluate(&data, &self.history.offset.whole(state))
     }
 
     /// Returns the time-step error of the increments so far.
@@ -229,9 +229,9 @@ impl IncrementDriver<'_> {
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.show(&result.state, |increment, state| {
-                    progress.part(end, &self.data(), &result, increment, state);
+                    progress.report_substep(end, &self.data(), &result, increment, state);
                 });
-            } else if let Some(MissingNodes { nodes, solved }) = self.lack(&substep)? {
+            } else if let Some(MissingNodes { nodes, solved }) = self.missing_nodes(&substep)? {
                 self.history.estimate = solved.then_some(substep.state);
                 self.history.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
                 self.history.in_progress = Some(so_far);
@@ -242,7 +242,7 @@ impl IncrementDriver<'_> {
                 so_far.pending = vec![time];
                 (touches_left, divided) = (0, false);
             } else {
-                let part = match &substep.solved.stop {
+                let advance = match &substep.solved.stop {
                     Termination::Slips(motion) => {
                         let share = self.share_without_slip(from, motion, [&rollback.state.p_n, &substep.state.p_n]);
                         towards_slip(share * (end - from), end - from, margin)
@@ -250,15 +250,15 @@ impl IncrementDriver<'_> {
                     _ => 0.5 * (end - from),
                 };
                 // There is no time between neighbouring numbers.
-                let no_time = from + part <= from || from + part >= end;
-                if part < smallest || no_time || !self.smaller_may_do(&substep)? {
+                let no_time = from + advance <= from || from + advance >= end;
+                if advance < smallest || no_time || !self.smaller_may_do(&substep)? {
                     let slips = substep.status == Status::Slips;
                     let slip = slips.then_some(Slip { by: end, p_n: rollback.state.p_n });
                     let result = Step { slip, ..so_far.up_to(substep) };
                     return Ok(IncrementEnd::Ended(Box::new(result)));
                 }
                 self.go_back(rollback);
-                so_far.pending.push(from + part);
+                so_far.pending.push(from + advance);
             }
         }
     }
@@ -384,28 +384,28 @@ impl IncrementDriver<'_> {
     ///
     /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
     /// reported only after all nodes have been included.
-    fn lack(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
+    fn missing_nodes(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
         let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
-        let Some(held) = self.body.nodes() else { return Ok(None) };
+        let Some(nodes) = self.body.nodes() else { return Ok(None) };
         if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
             return Ok(None);
         }
         let all = problem.contacts();
-        let mut is_held = vec![false; all];
-        for &i in held {
-            is_held[i] = true;
+        let mut in_set = vec![false; all];
+        for &i in nodes {
+            in_set[i] = true;
         }
         let distance = |i: usize| data.gap[i] - problem.c_n().dot(i, &substep.state.u);
-        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !is_held[i]).map(|i| (i, distance(i))).collect();
+        let mut others: Vec<(usize, f64)> = (0..all).filter(|&i| !in_set[i]).map(|i| (i, distance(i))).collect();
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         let judgement = Judgement::near(problem, &data, &substep.state, &substep.scales, tolerance)?;
         let penetrating = others.iter().filter(|(i, _)| judgement.penetration(*i) > tolerance).count();
         let solved = substep.solved.stop == Termination::Converged && penetrating > 0;
-        let joining = if solved { held.len().max(2 * penetrating) } else { all };
+        let joining = if solved { nodes.len().max(2 * penetrating) } else { all };
         // Leaving out less than a quarter of the nodes saves little.
-        let joining = if 4 * (held.len() + joining) >= 3 * all { all } else { joining };
-        others.iter().take(joining).for_each(|(i, _)| is_held[*i] = true);
-        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| is_held[i]).collect(), solved }))
+        let joining = if 4 * (nodes.len() + joining) >= 3 * all { all } else { joining };
+        others.iter().take(joining).for_each(|(i, _)| in_set[*i] = true);
+        Ok(Some(MissingNodes { nodes: (0..all).filter(|&i| in_set[i]).collect(), solved }))
     }
 
     /// Makes the method start from the estimate of the state at `time`, if there is one.
@@ -436,8 +436,8 @@ impl IncrementDriver<'_> {
         loading.force(from, &mut force);
         let mu = self.friction_at(from);
         let left = -excess(problem, &mu, &force, p_n[0], motion);
-        let beyond = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
-        if left > 0.0 && beyond > 0.0 { left / (left + beyond) } else { 0.5 }
+        let excess = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
+        if left > 0.0 && excess > 0.0 { left / (left + excess) } else { 0.5 }
     }
 
     /// Returns the coefficients of friction at a time.
@@ -477,12 +477,12 @@ impl IncrementDriver<'_> {
         // does.
         let clamped = self.stage.clamped.as_ref()?;
         let force = clamped.response(self.body.loading, None, time).contact_force * self.settings.scaling.force;
-        let reach = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
-        let reach: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(reach).collect();
+        let near = |(gap, k): (&f64, &f64)| (force / k).max(NEARBY * gap.abs());
+        let tolerance: Vec<f64> = self.stage.gap.iter().zip(&self.settings.contact_stiffness).map(near).collect();
         let moved = self.history.offset.w_n.iter().zip(&self.history.w_n).map(|(offset, w)| offset + w);
         let distance: Vec<f64> = self.stage.gap.iter().zip(moved).map(|(gap, w)| gap - w).collect();
         let load = Load { force: &self.stage.force, sizes };
-        let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &reach)?;
+        let Landing { weights, nodes } = landing(self.body.problem, &self.stage.mu, &load, &distance, &tolerance)?;
         self.history.offset = self.history.offset.by(self.body.problem, &weights);
         let stays = weights.iter().all(|weight| *weight == 0.0);
         (self.history.reached.is_none() || !stays).then_some(nodes)

@@ -127,11 +127,11 @@ impl Node {
         if !(self.closed && self.case == TangentialCase::Stick && self.p_n > 0.0) {
             return 0.5;
         }
-        let beyond = |rate: &NodeRate, share: f64| {
+        let excess = |rate: &NodeRate, share: f64| {
             let bears = (self.mu + share * (mu - self.mu)) * positive(self.p_n + share * rate.p_n);
             length([0, 1].map(|d| self.p[d] + share * rate.p[d])) - bears
         };
-        (2.0 + rate.map_or(0.0, |rate| bisected(|share| beyond(rate, share)))) / 3.0
+        (2.0 + rate.map_or(0.0, |rate| bisected(|share| excess(rate, share)))) / 3.0
     }
 
     /// Returns `true` if the node is at a distance from the obstacle.
@@ -248,11 +248,11 @@ impl IncrementErrors {
         *self = IncrementErrors { force: forces, gap, nodes, change: Vec::new(), ..*before };
     }
 
-    /// Returns `true` if the snapshot `kept` has the sizes of this problem.
-    pub(super) fn fit(&self, kept: &IncrementErrors) -> bool {
+    /// Returns `true` if the snapshot `saved` has the sizes of this problem.
+    pub(super) fn fit(&self, saved: &IncrementErrors) -> bool {
         let sizes = |of: &IncrementErrors| [of.force.len(), of.gap.len(), of.nodes.len()];
-        let known = sizes(kept)[0] + 3 * sizes(kept)[1];
-        sizes(self) == sizes(kept) && [0, known].contains(&kept.change.len())
+        let known = sizes(saved)[0] + 3 * sizes(saved)[1];
+        sizes(self) == sizes(saved) && [0, known].contains(&saved.change.len())
     }
 
     /// Returns the estimate so far.
@@ -350,7 +350,7 @@ impl IncrementErrors {
             Begin::of(&self.nodes[i], cases[i].1, formulation.slip(i, z), rate)
         };
         let mut begins: Vec<Begin> = (0..self.nodes.len()).map(begin).collect();
-        let alone = self.held_at_first_touch(&cases, &mut begins, turned, weight, at, z)?;
+        let clamped_error = self.held_at_first_touch(&cases, &mut begins, turned, weight, at, z)?;
         let mut sticks = false;
         for (i, begin) in begins.iter_mut().enumerate().filter(|(i, _)| layout.has_friction(*i)) {
             let node = &self.nodes[i];
@@ -398,7 +398,7 @@ impl IncrementErrors {
         if sums[1] > self.sums[1] {
             self.sums = sums;
         }
-        self.largest[0] = self.largest[0].max(alone);
+        self.largest[0] = self.largest[0].max(clamped_error);
         self.force.copy_from_slice(formulation.force());
         self.gap = (0..layout.contacts()).map(|i| formulation.at_node(i).0).collect();
         Ok(())
@@ -426,23 +426,23 @@ impl IncrementErrors {
         let notable = NOTABLE * self.largest[1].max(friction_of_all(at.formulation, weight, z));
         // Friction stays within the cone, so its error is at most the width of the cone, twice its size.
         let widths: Vec<f64> = (0..begins.len()).map(|i| 2.0 * friction_at(at.formulation, weight, i, z)).collect();
-        let mut held_cases = cases.to_vec();
-        let mut held = Vec::new();
+        let mut clamped_cases = cases.to_vec();
+        let mut clamped = Vec::new();
         for (i, begin) in begins.iter_mut().enumerate() {
             if begin.sticks && matches!(cases[i].1, TangentialCase::Slip { .. }) {
                 // A touch that the rate did not predict counts as one at the end.
                 let is_first = begin.touches == Some(first) && first < 1.0;
                 if is_first && is_led && widths[i] > notable {
-                    held_cases[i].1 = TangentialCase::Stick;
-                    held.push(i);
+                    clamped_cases[i].1 = TangentialCase::Stick;
+                    clamped.push(i);
                 } else {
                     *begin = Begin { sticks: false, delta: [0.0; 2], ..*begin };
                 }
             }
         }
-        let error = if held.is_empty() { None } else { self.transport(&held_cases, begins, at)? };
+        let error = if clamped.is_empty() { None } else { self.transport(&clamped_cases, begins, at)? };
         let mut largest = 0.0_f64;
-        for i in held {
+        for i in clamped {
             let by_place = error.as_ref().map_or(0.0, |error| friction_at(at.formulation, weight, i, error));
             let most = by_place.min(widths[i]);
             let sticks = most > notable;
@@ -510,18 +510,18 @@ fn friction_of_all(formulation: &Bdiff, weight: Option<&[f64]>, z: &[f64]) -> f6
     nodes.map(|i| friction_at(formulation, weight, i, z).powi(2)).sum::<f64>().sqrt()
 }
 
-/// Returns the share of an increment after which `beyond` is 0, from below, or 1 if it is not.
-fn bisected(beyond: impl Fn(f64) -> f64) -> f64 {
+/// Returns the share of an increment after which `function` is 0, from below, or 1 if it is not.
+fn bisected(function: impl Fn(f64) -> f64) -> f64 {
     let [mut low, mut high] = [0.0, 1.0];
-    if beyond(low) >= 0.0 {
+    if function(low) >= 0.0 {
         return low;
     }
-    if beyond(high) <= 0.0 {
+    if function(high) <= 0.0 {
         return high;
     }
     for _ in 0..f64::MANTISSA_DIGITS {
         let middle = 0.5 * (low + high);
-        if beyond(middle) < 0.0 { low = middle } else { high = middle }
+        if function(middle) < 0.0 { low = middle } else { high = middle }
     }
     high
 }

@@ -29,7 +29,7 @@ pub(super) struct PredictorCorrectorMethod {
     stiffness: f64,
     z: Vec<f64>,
     /// The low-order part of `(u, p_t, p_n)`.
-    rest: Vec<f64>,
+    z_lo: Vec<f64>,
     end: NewtonEnd,
 }
 
@@ -59,7 +59,7 @@ impl PredictorCorrectorMethod {
             most: max_iterations,
             stiffness: stiffness / history.scaling.stiffness(),
             z: vec![0.0; formulation.unknowns()],
-            rest: vec![0.0; formulation.forces().unknowns()],
+            z_lo: vec![0.0; formulation.forces().unknowns()],
             end: NewtonEnd::new(assembled, &natural),
             method: PredictorCorrector::new(tolerance.max(NEAR), max_iterations),
             tolerance,
@@ -131,7 +131,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         task.response.add_to(&mut self.z);
         let error = |z: &[f64]| task.error(&forces.unpacked(z, &scaling));
         let tolerance = self.tolerance;
-        self.rest.fill(0.0);
+        self.z_lo.fill(0.0);
         // The increment is solved if the response with clamped contact nodes already solves it.
         if error(&self.z)? <= tolerance {
             return Ok(MethodResult { stop: Termination::Converged, ..MethodResult::new(0.0) });
@@ -147,7 +147,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
             let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
             if ended.stop == Termination::Converged {
                 self.z[..self.end.z.len()].copy_from_slice(&self.end.z);
-                self.rest.copy_from_slice(self.end.bn.rest());
+                self.z_lo.copy_from_slice(self.end.bn.z_lo());
             } else if ended.stop != Termination::Interrupted {
                 // Perhaps near the solution, but not within the tolerance.
                 ended.stop = match outcome.stop {
@@ -170,7 +170,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
     }
 
     fn state(&self) -> State {
-        self.formulation.forces().unpacked_with(&self.z, &self.rest, self.formulation.scaling())
+        self.formulation.forces().unpacked_with(&self.z, &self.z_lo, self.formulation.scaling())
     }
 
     fn set_state(&mut self, state: &State) {
@@ -185,13 +185,13 @@ impl IncrementSolver for PredictorCorrectorMethod {
 
     fn snapshot(&self, _linear: &RefinedSolver) -> Snapshot {
         let linearization = Some(self.end.formulation.linearization());
-        Snapshot { unknowns: self.z.clone(), rest: self.rest.clone(), linearization, ..Snapshot::default() }
+        Snapshot { unknowns: self.z.clone(), z_lo: self.z_lo.clone(), linearization, ..Snapshot::default() }
     }
 
     fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
-        let Snapshot { unknowns, rest, linearization, .. } = snapshot;
+        let Snapshot { unknowns, z_lo, linearization, .. } = snapshot;
         let end = linearization.is_some_and(|kept| self.end.formulation.linearize_as(&kept));
-        Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.rest, &rest) && end)
+        Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.z_lo, &z_lo) && end)
     }
 }
 
@@ -225,7 +225,7 @@ impl NewtonEnd {
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
-        let mut error = |z: &[f64], rest: &[f64]| task.error(&layout.unpacked_with(z, rest, &scaling));
+        let mut error = |z: &[f64], z_lo: &[f64]| task.error(&layout.unpacked_with(z, z_lo, &scaling));
         bn.solve(
             formulation,
             linear,

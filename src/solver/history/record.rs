@@ -265,7 +265,7 @@ pub trait Observer {
 
     /// Called after each substep of a halved increment except the last. The record is that of the increment so far:
     /// its `time` is the end of the substep, its `parts` the number of the substep from 1.
-    fn part(&mut self, _part: &IncrementView<'_>) {}
+    fn substep(&mut self, _part: &IncrementView<'_>) {}
 
     /// Called after each increment, including a failed one.
     fn increment(&mut self, _step: &IncrementView<'_>) -> ControlFlow<()> {

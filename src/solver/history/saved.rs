@@ -259,7 +259,8 @@ pub struct Snapshot {
     /// The unknowns, in the method's own units.
     pub(super) unknowns: Vec<f64>,
     /// The low-order part of the unknowns.
-    pub(super) rest: Vec<f64>,
+    #[serde(rename = "rest")]
+    pub(super) z_lo: Vec<f64>,
     /// The end of the last increment.
     pub(super) last: Option<Vec<f64>>,
     /// The accumulated time-step error.
@@ -284,11 +285,11 @@ impl Snapshot {
     }
 }
 
-/// Copies `kept` to `values`. Returns `false` if the lengths differ.
-pub(super) fn take_over(values: &mut [f64], kept: &[f64]) -> bool {
-    let fits = values.len() == kept.len();
+/// Copies `saved` to `values`. Returns `false` if the lengths differ.
+pub(super) fn take_over(values: &mut [f64], saved: &[f64]) -> bool {
+    let fits = values.len() == saved.len();
     if fits {
-        values.copy_from_slice(kept);
+        values.copy_from_slice(saved);
     }
     fits
 }

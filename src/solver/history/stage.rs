@@ -130,7 +130,7 @@ impl Responds for Linearized<'_> {
         Ok(Layout::new(self.problem).unpacked(&self.change, &self.scaling))
     }
 
-    fn go_on(&mut self) {
+    fn add_response(&mut self) {
         self.method.unknowns().iter_mut().zip(&self.change).for_each(|(z, dz)| *z += dz);
     }
 }

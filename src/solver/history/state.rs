@@ -218,8 +218,8 @@ impl RigidOffset {
     pub(super) fn whole(&self, state: &State) -> State {
         let mut whole = state.clone();
         if self.is_nonzero() {
-            let rest = state.u_rest.iter().chain(std::iter::repeat(&0.0));
-            let sums = self.u.iter().zip(&state.u).zip(rest).map(|((offset, u), rest)| {
+            let u_rest = state.u_rest.iter().chain(std::iter::repeat(&0.0));
+            let sums = self.u.iter().zip(&state.u).zip(u_rest).map(|((offset, u), rest)| {
                 let (u, left) = sum(*offset, *u);
                 sum(u, left + rest)
             });

@@ -56,9 +56,9 @@ pub(super) struct Attempt {
 }
 
 const NEWTON: Attempt = Attempt { distance: None, patience: 40 };
-const NEAR: Attempt = Attempt { distance: Some(1.0), patience: 30 };
-const FAR: Attempt = Attempt { distance: Some(10.0), patience: 30 };
-const FARTHEST: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
+const IP_START_1: Attempt = Attempt { distance: Some(1.0), patience: 30 };
+const IP_START_10: Attempt = Attempt { distance: Some(10.0), patience: 30 };
+const IP_START_100: Attempt = Attempt { distance: Some(100.0), patience: usize::MAX };
 
 /// Returns `true` if no other attempt is needed.
 fn ends(result: &MethodResult) -> bool {
@@ -70,10 +70,10 @@ fn ends(result: &MethodResult) -> bool {
 pub(super) const BN_ALONE: &[Attempt] = &[Attempt { patience: usize::MAX, ..NEWTON }];
 
 /// The attempts of `method = "bn"`.
-pub(super) const BN: &[Attempt] = &[NEWTON, NEAR, FAR, FARTHEST];
+pub(super) const BN: &[Attempt] = &[NEWTON, IP_START_1, IP_START_10, IP_START_100];
 
 /// The attempts of `method = "ip"`.
-pub(super) const IP: &[Attempt] = &[NEAR, FAR, FARTHEST];
+pub(super) const IP: &[Attempt] = &[IP_START_1, IP_START_10, IP_START_100];
 
 /// The error of an increment with a drag, which is to tell pressures and statuses only.
 const DRAGGED: f64 = 1e-6;
@@ -105,7 +105,7 @@ impl Strategy {
         observe: Observe<'_>,
     ) -> Result<MethodResult, LinearError> {
         let (problem, increment) = (task.problem, task.increment);
-        let beyond = |p_n: &[f64], motion: &[f64]| excess(problem, increment.mu, increment.force, p_n, motion);
+        let excess = |p_n: &[f64], motion: &[f64]| excess(problem, increment.mu, increment.force, p_n, motion);
         let mut formulation = Bdiff::on(self.bn.formulation.assembled(), &self.settings.conventions);
         let mut bn = Bn::new(Armijo::HALVING, NEWTON.patience, formulation.unknowns());
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
@@ -121,13 +121,13 @@ impl Strategy {
             // The drag carries what exceeds friction.
             let v = problem.rigid_motion(&motion);
             let resistance: f64 = v.iter().zip(&drag).map(|(v, drag)| v * v * drag).sum();
-            let speed = beyond(p_n, &motion) / (resistance * scaling.force);
+            let speed = excess(p_n, &motion) / (resistance * scaling.force);
             z.iter_mut().zip(&v).for_each(|(z, v)| *z += speed * v);
         }
-        let mut error = |z: &[f64], rest: &[f64]| {
+        let mut error = |z: &[f64], z_lo: &[f64]| {
             let force = increment.force.iter().zip(&drag).enumerate();
             let force: Vec<f64> = force.map(|(k, (f, drag))| f - drag * (z[k] - from[k]) * scaling.force).collect();
-            task.error_of(&Increment { force: &force, ..*increment }, &layout.unpacked_with(z, rest, &scaling))
+            task.error_of(&Increment { force: &force, ..*increment }, &layout.unpacked_with(z, z_lo, &scaling))
         };
         let end = StopCriterion::Measured { tolerance: DRAGGED, error: &mut error };
         let mut result = bn.solve(&mut formulation, linear, &mut z, end, observe)?;
@@ -137,7 +137,7 @@ impl Strategy {
             // At the very limit of friction the excess is rounding, and the joint still holds.
             let v = problem.rigid_motion(&motion);
             let friction = friction_work(problem, increment.mu, &state.p_n, &v);
-            let moves = beyond(&state.p_n, &motion) > DRAGGED * friction;
+            let moves = excess(&state.p_n, &motion) > DRAGGED * friction;
             if moves && formulation.moves_on(&z, v, &problem.natural().contact_part) {
                 result.stop =
                     if friction > 0.0 { Termination::Slips(motion) } else { Termination::NoEquilibrium(motion) };

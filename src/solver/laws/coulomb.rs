@@ -186,8 +186,8 @@ pub(crate) fn tangential_case_ahead(
     let grown = length(value) > SLIP_BORDER * length(q.map(|q| q.size));
     let n = direction(if grown { value } else { rate });
     let along = |v: [f64; 2]| n[0] * v[0] + n[1] * v[1];
-    let beyond = DirectionalDerivative::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
-    if beyond.ahead() < 0.0 {
+    let excess = DirectionalDerivative::new(along(value), -mu * pressure.value, along(rate) - mu * pressure.rate);
+    if excess.ahead() < 0.0 {
         TangentialCase::Stick
     } else if grown {
         TangentialCase::slip(value, pressure.value, mu)

@@ -79,7 +79,7 @@ impl GapCorrection {
 
     /// Adds the correction at time `t` to the `gap` of its nodes.
     pub(super) fn add(&self, t: f64, gap: &mut [f64]) {
-        let Some((k, share)) = self.place(t) else { return };
+        let Some((k, share)) = self.interval(t) else { return };
         for (i, g) in gap.iter_mut().enumerate() {
             *g += between(share, self.gap[k][i], || self.gap[k + 1][i]);
         }
@@ -87,14 +87,14 @@ impl GapCorrection {
 
     /// Adds the correction at time `t` to the `drift` of its nodes along their first (`axis` = 0) or second tangents.
     pub(super) fn add_drift(&self, t: f64, axis: usize, drift: &mut [f64]) {
-        let Some((k, share)) = self.place(t).filter(|_| !self.drift.is_empty()) else { return };
+        let Some((k, share)) = self.interval(t).filter(|_| !self.drift.is_empty()) else { return };
         for (i, d) in drift.iter_mut().enumerate() {
             *d += between(share, self.drift[k][i][axis], || self.drift[k + 1][i][axis]);
         }
     }
 
     /// Returns the index of the row before time `t`, and the share of the interval up to `t`.
-    fn place(&self, t: f64) -> Option<(usize, f64)> {
+    fn interval(&self, t: f64) -> Option<(usize, f64)> {
         let last = self.times.len().checked_sub(1)?;
         let after = self.times.partition_point(|time| *time <= t);
         Some(match (after.checked_sub(1), self.times.get(after)) {

@@ -1,13 +1,13 @@
 //! Algorithm BN: the B-differentiable Newton method. Steps 1 to 4 of the paper are marked in [`Bn::solve`]. `H` (19) and its
 //! linearisation (21) are assembled in `formulation/bdiff.rs` from the rows of a node in `laws/coulomb.rs`; the step size (12) is in `armijo.rs`, the stopping tests in
-//! [`StopCriterion`], what goes beyond the paper in `bn/beyond.rs`.
+//! [`StopCriterion`], what goes beyond the paper in `bn/extensions.rs`.
 
-mod beyond;
+mod extensions;
 
 use super::{Armijo, Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::solver::formulation::Bdiff;
-use beyond::Branch;
+use extensions::Branch;
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 
@@ -19,7 +19,7 @@ pub struct Bn {
     dz: Vec<f64>,
     rhs: Vec<f64>,
     /// The low-order part of `z`, where it matters.
-    rest: Vec<f64>,
+    z_lo: Vec<f64>,
     /// The generation of the factors in `linear` after this method's last factorisation. If it is unchanged, they are
     /// still the factors of the last linearisation.
     factored: Option<usize>,
@@ -40,13 +40,13 @@ impl Bn {
             h: zeros(),
             dz: zeros(),
             rhs: zeros(),
-            rest: zeros(),
+            z_lo: zeros(),
             factored: None,
             forcing: None,
         }
     }
 
-    /// Solves `H(z) = 0` from the given `z`, and leaves the last iterate in `z`, with its [`Bn::rest`]. `linear` must
+    /// Solves `H(z) = 0` from the given `z`, and leaves the last iterate in `z`, with its [`Bn::z_lo`]. `linear` must
     /// have analysed the pattern of the Jacobian, and `z` must have [`Bdiff::unknowns`] entries.
     ///
     /// # Errors
@@ -64,13 +64,13 @@ impl Bn {
         let mut clock = Clock::default();
         let mut theta = clock.time(|| self.evaluate(formulation, z))?;
         let mut outcome = MethodResult::new(theta);
-        self.rest.fill(0.0);
-        let mut error = end.measure(z, &self.rest)?;
+        self.z_lo.fill(0.0);
+        let mut error = end.measure(z, &self.z_lo)?;
         if observe(&Iteration::start(theta, error)).is_break() {
             return Ok(MethodResult { stop: Termination::Interrupted, ..outcome });
         }
         // The paper's test applies only after a step.
-        if end.met(f64::INFINITY, error) {
+        if end.is_met(f64::INFINITY, error) {
             return Ok(MethodResult { stop: Termination::Converged, ..outcome });
         }
         self.forcing = end.is_measured().then(Forcing::default);
@@ -114,20 +114,20 @@ impl Bn {
             outcome.add(theta, backtracks, backward_error);
 
             // Step 4: termination.
-            error = end.measure(z, &self.rest)?;
+            error = end.measure(z, &self.z_lo)?;
             let record = IterationRecord { iteration, theta, step, backtracks, backward_error, factored, error };
             let flow = observe(&Iteration { record, system: Some(self.system(formulation)) });
-            let mut met = formulation.is_referred() && end.met(theta, error);
-            if (repeated || formulation.is_affine() && end.is_measured()) && !met {
+            let mut converged = formulation.is_referred() && end.is_met(theta, error);
+            if (repeated || formulation.is_affine() && end.is_measured()) && !converged {
                 // Only refinement, or a motion along an unconstrained mode, can still reduce the error.
-                met = self.refine(formulation, linear, z, &mut end)?;
-                match self.motion_ahead(formulation, z, met) {
+                converged = self.refine(formulation, linear, z, &mut end)?;
+                match self.motion_ahead(formulation, z, converged) {
                     None => theta = self.evaluate(formulation, z)?,
                     Some(stop) => outcome.stop = stop,
                 }
             }
             // Affine equations have this one solution; whether it is good enough is for the verdict.
-            if outcome.ends(met || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
+            if outcome.ends(converged || formulation.is_affine(), flow) || outcome.stop != Termination::MaxIterations {
                 break;
             }
         }
@@ -208,8 +208,8 @@ impl Bn {
     }
 
     /// Returns the low-order part of the last `z`: the solution is their sum. It is 0 where it does not matter.
-    pub fn rest(&self) -> &[f64] {
-        &self.rest
+    pub fn z_lo(&self) -> &[f64] {
+        &self.z_lo
     }
 
     /// Returns `true` if the factors of `linear` are those of the last linearisation.
@@ -258,7 +258,7 @@ fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Result<(), Li
 /// The sets of cases that an increment has visited.
 #[derive(Default)]
 struct Cycle {
-    seen: HashSet<Vec<u8>>,
+    visited: HashSet<Vec<u8>>,
     visits: usize,
     /// The number of the visit that brought the last new set.
     last_new: usize,
@@ -267,7 +267,7 @@ struct Cycle {
 impl Cycle {
     fn visit(&mut self, cases: Vec<u8>) {
         self.visits += 1;
-        if self.seen.insert(cases) {
+        if self.visited.insert(cases) {
             self.last_new = self.visits;
         }
     }
@@ -278,7 +278,7 @@ impl Cycle {
     }
 }
 
-/// A measure of the distance of `z + rest` from the exact law, where `rest` is the low-order part of `z`.
+/// A measure of the distance of `z + z_lo` from the exact law, where `z_lo` is the low-order part of `z`.
 pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Result<f64, LinearError>;
 
 /// The stopping test of Algorithm BN.
@@ -299,16 +299,16 @@ pub enum StopCriterion<'a> {
 }
 
 impl StopCriterion<'_> {
-    /// Returns the error at `z + rest`, if it is measured.
-    fn measure(&mut self, z: &[f64], rest: &[f64]) -> Result<Option<f64>, LinearError> {
+    /// Returns the error at `z + z_lo`, if it is measured.
+    fn measure(&mut self, z: &[f64], z_lo: &[f64]) -> Result<Option<f64>, LinearError> {
         match self {
             StopCriterion::Merit(_) => Ok(None),
-            StopCriterion::Measured { error, .. } => error(z, rest).map(Some),
+            StopCriterion::Measured { error, .. } => error(z, z_lo).map(Some),
         }
     }
 
     /// Returns `true` if the iterate with the merit `theta` and this error is a solution.
-    fn met(&self, theta: f64, measured: Option<f64>) -> bool {
+    fn is_met(&self, theta: f64, measured: Option<f64>) -> bool {
         match self {
             StopCriterion::Merit(epsilon) => theta <= *epsilon,
             StopCriterion::Measured { tolerance, .. } => measured.is_some_and(|error| error <= *tolerance),

@@ -40,7 +40,7 @@ struct Iterate<'a> {
 }
 
 /// The result of a step.
-struct Taken {
+struct StepResult {
     step: f64,
     backward_error: f64,
     error: f64,
@@ -80,24 +80,24 @@ impl PredictorCorrector {
         let curved = at.formulation.face_ahead(at.z, at.z).is_none();
 
         for iteration in 1..=self.max_iterations {
-            let taken = match &ahead {
+            let result = match &ahead {
                 // If two steps have approached the same face, it may be that of the solution.
                 Some(face) if settled && tried != ahead => {
                     tried.clone_from(&ahead);
                     self.step_to(face, &mut at)
                 }
                 _ => {
-                    let taken = self.step(curved, &mut at);
+                    let result = self.step(curved, &mut at);
                     // A failed step has not moved z.
-                    if taken.is_ok() {
+                    if result.is_ok() {
                         let face = at.formulation.face_ahead(&self.before, at.z);
                         settled = ahead == face;
                         ahead = face;
                     }
-                    taken
+                    result
                 }
             };
-            let Taken { step, backward_error, error } = match taken {
+            let StepResult { step, backward_error, error } = match result {
                 Ok(taken) => taken,
                 Err(error) => {
                     outcome.stop = Termination::at(error)?;
@@ -120,7 +120,7 @@ impl PredictorCorrector {
     }
 
     /// Computes a predictor and a corrector with one matrix, and takes the step.
-    fn step(&mut self, curved: bool, at: &mut Iterate<'_>) -> Result<Taken, LinearError> {
+    fn step(&mut self, curved: bool, at: &mut Iterate<'_>) -> Result<StepResult, LinearError> {
         let Iterate { z, formulation, linear, error } = at;
         let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
         formulation.linearize(z);
@@ -129,11 +129,11 @@ impl PredictorCorrector {
         // The predictor aims at the solution itself, σ = 0.
         self.work.b.iter_mut().zip(&self.work.h).for_each(|(b, h)| *b = -h);
         let predicted = self.work.solve(*formulation, linear, z)?;
-        let reach = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
+        let max_step = largest_step(formulation.pairs(), z, &self.work.dz).min(1.0);
 
         // The corrector aims at products of σ β, with Mehrotra's σ, and takes the second order of the products from
         // the predictor.
-        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, reach) / beta).powi(3).min(1.0);
+        let sigma = (mean_product(formulation.pairs(), z, &self.work.dz, max_step) / beta).powi(3).min(1.0);
         let centring = if sigma.is_finite() { sigma * beta } else { 0.0 };
         for pair in formulation.pairs() {
             self.work.b[pair.length] += centring - self.work.dz[pair.force] * self.work.dz[pair.length];
@@ -152,12 +152,12 @@ impl PredictorCorrector {
         self.before.extend_from_slice(z);
         z.iter_mut().zip(&self.work.dz).for_each(|(z, dz)| *z += step * dz);
         let backward_error = predicted.backward_error.max(corrected.backward_error);
-        Ok(Taken { step, backward_error, error: error(z)? })
+        Ok(StepResult { step, backward_error, error: error(z)? })
     }
 
     /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within the tolerance;
     /// otherwise `z` is unchanged.
-    fn step_to(&mut self, face: &Face, at: &mut Iterate<'_>) -> Result<Taken, LinearError> {
+    fn step_to(&mut self, face: &Face, at: &mut Iterate<'_>) -> Result<StepResult, LinearError> {
         let Iterate { z, formulation, linear, error } = at;
         let point = face.point(formulation.pairs(), z.len());
         formulation.linearize(&point);
@@ -167,7 +167,7 @@ impl PredictorCorrector {
             Ok(info) => info,
             // A face that does not hold the body is not that of the solution.
             Err(LinearError::Singular { .. } | LinearError::NotFinite) => {
-                return Ok(Taken { step: 0.0, backward_error: 0.0, error: f64::INFINITY });
+                return Ok(StepResult { step: 0.0, backward_error: 0.0, error: f64::INFINITY });
             }
             Err(error) => return Err(error),
         };
@@ -177,7 +177,7 @@ impl PredictorCorrector {
         if reached {
             z.copy_from_slice(&end);
         }
-        Ok(Taken { step: f64::from(u8::from(reached)), backward_error: info.backward_error, error })
+        Ok(StepResult { step: f64::from(u8::from(reached)), backward_error: info.backward_error, error })
     }
 }
 

@@ -107,27 +107,27 @@ pub(crate) fn expect_length(
     Err(ProblemError::Length { array: array.into(), of: "entries", expected, found, reason })
 }
 
-/// Returns an error for the first of `values` that is not `sound`; `array` is their name.
+/// Returns an error for the first of `values` that is not `is_valid`; `array` is their name.
 pub(crate) fn expect_each(
     array: &str,
     values: &[f64],
     must: &'static str,
-    sound: impl Fn(f64) -> bool,
+    is_valid: impl Fn(f64) -> bool,
 ) -> Result<(), ProblemError> {
-    match values.iter().position(|&value| !sound(value)) {
+    match values.iter().position(|&value| !is_valid(value)) {
         Some(k) => Err(ProblemError::Value { array: format!("{array}[{k}]"), value: values[k], must }),
         None => Ok(()),
     }
 }
 
-/// Returns an error unless the `value` called `name` is `sound`.
+/// Returns an error unless the `value` called `name` `is_valid`.
 pub(crate) fn expect_value(
     name: &str,
     value: f64,
     must: &'static str,
-    sound: impl Fn(f64) -> bool,
+    is_valid: impl Fn(f64) -> bool,
 ) -> Result<(), ProblemError> {
-    if sound(value) { Ok(()) } else { Err(ProblemError::Value { array: name.to_string(), value, must }) }
+    if is_valid(value) { Ok(()) } else { Err(ProblemError::Value { array: name.to_string(), value, must }) }
 }
 
 /// Returns an error for the first of `values` that is NaN or infinite.

@@ -203,14 +203,14 @@ fn own_stiffness(at_hand: &Csc, c_n: &Csr, i: usize) -> f64 {
 /// Returns `c K_PP⁻¹ cᵀ` of a row `c` of `C_n`.
 fn compliance(factors: &Llt<f64>, patch: &Patch, row: &[(usize, f64)]) -> f64 {
     let mut force = Mat::zeros(patch.len(), 1);
-    let place = |dof: usize| patch.binary_search(&dof);
+    let index = |dof: usize| patch.binary_search(&dof);
     for &(dof, c) in row {
-        if let Ok(k) = place(dof) {
+        if let Ok(k) = index(dof) {
             force[(k, 0)] = c;
         }
     }
     let moved = factors.solve(&force);
-    row.iter().map(|&(dof, c)| place(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
+    row.iter().map(|&(dof, c)| index(dof).map_or(0.0, |k| c * moved[(k, 0)])).sum()
 }
 
 /// Returns the patch of each contact node.
@@ -264,8 +264,8 @@ impl ContactProblem {
             }
             // The rows have been brought to length one.
             for relation in null_space(group.len(), columns.into_values().map(Column::of_unit_size)) {
-                let part = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
-                found.extend(part.map(|((node, _), _)| *node));
+                let terms = group.iter().zip(relation).filter(|(_, weight)| weight.abs() > NEGLIGIBLE);
+                found.extend(terms.map(|((node, _), _)| *node));
             }
         }
         found.into_iter().collect()
@@ -309,12 +309,12 @@ mod tests {
     use crate::algebra::sparse::Symmetric;
     use crate::solver::problem::Parts;
 
-    /// Creates `n` points in a row with unit springs between them, the last one on a wall by another if it is `held`;
-    /// every point is a contact node.
-    fn chain(n: usize, held: bool) -> ContactProblem {
-        let held_end = (n - 1, n - 1, f64::from(u8::from(held)));
+    /// Creates `n` points in a row with unit springs between them, the last one on a wall by another if it is
+    /// `clamped`; every point is a contact node.
+    fn chain(n: usize, clamped: bool) -> ContactProblem {
+        let clamped_end = (n - 1, n - 1, f64::from(u8::from(clamped)));
         let springs = (1..n).flat_map(|i| [(i - 1, i - 1, 1.0), (i, i, 1.0), (i, i - 1, -1.0)]);
-        let stiffness = Symmetric::from_triplets(n, &springs.chain([held_end]).collect::<Vec<_>>()).unwrap();
+        let stiffness = Symmetric::from_triplets(n, &springs.chain([clamped_end]).collect::<Vec<_>>()).unwrap();
         let c_n = Csr::of_rows(n, (0..n).map(|i| [(i, -1.0)]));
         let none = Csr::empty(n, n).unwrap();
         ContactProblem::new(Parts {
@@ -324,7 +324,7 @@ mod tests {
             c_o: none,
             mu: vec![0.0; n],
             weight: Some(vec![1.0; n]),
-            rigid_modes: Some(if held { Vec::new() } else { vec![vec![1.0; n]] }),
+            rigid_modes: Some(if clamped { Vec::new() } else { vec![vec![1.0; n]] }),
         })
         .unwrap()
     }
@@ -336,7 +336,7 @@ mod tests {
 
     /// There are two springs in a row on either side; those to the free end carry nothing.
     #[test]
-    fn what_is_beyond_the_neighbours_is_held() {
+    fn what_is_beyond_the_neighbours_is_clamped() {
         assert_close(chain(6, true).contact_stiffness(), &[0.5, 0.5, 1.0, 1.0, 1.0, 1.5]);
     }
 
@@ -365,8 +365,8 @@ mod tests {
         let [c_n, c_t] = [[1, 2], [0, 0]].map(|at| Csr::from_rows(3, at.map(|k| [(k, 1.0)])).unwrap());
         let smooth = ContactProblem::new(Parts { c_t, mu: vec![0.0; 2], ..Parts::new(stiffness, c_n) }).unwrap();
         assert_eq!(smooth.natural().compliance, [[0.0; 2]; 2]);
-        let rough = smooth.with_friction(vec![0.3; 2]).unwrap();
-        assert!(rough.natural().compliance.iter().all(|e| e[0] > 0.0));
-        assert_eq!(rough.with_friction(vec![0.0; 2]).unwrap().natural().compliance, [[0.0; 2]; 2]);
+        let frictional = smooth.with_friction(vec![0.3; 2]).unwrap();
+        assert!(frictional.natural().compliance.iter().all(|e| e[0] > 0.0));
+        assert_eq!(frictional.with_friction(vec![0.0; 2]).unwrap().natural().compliance, [[0.0; 2]; 2]);
     }
 }

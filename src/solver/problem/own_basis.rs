@@ -87,19 +87,19 @@ impl OwnBasis {
         }
     }
 
-    /// Applies `Q` to `u + rest`, where `rest` is below the rounding of `u`.
-    pub(crate) fn apply_beyond(&self, u: &mut [f64], rest: &mut [f64]) {
+    /// Applies `Q` to `u + u_rest`, where `u_rest` is below the rounding of `u`.
+    pub(crate) fn apply_dd(&self, u: &mut [f64], u_rest: &mut [f64]) {
         for (dof, others) in &self.changed {
             let mut sum = DoubleDouble::default();
             sum.add(u[*dof]);
-            sum.add(rest[*dof]);
+            sum.add(u_rest[*dof]);
             for (other, c) in others {
                 sum.add_product(*c, u[*other]);
-                sum.add(c * rest[*other]);
+                sum.add(c * u_rest[*other]);
             }
             u[*dof] = sum.value();
             sum.add(-u[*dof]);
-            rest[*dof] = sum.value();
+            u_rest[*dof] = sum.value();
         }
     }
 
@@ -124,20 +124,20 @@ impl OwnBasis {
     /// m, column by column.
     pub(crate) fn congruence(&self, border: &[usize], s: &mut [f64]) {
         let m = border.len();
-        let place = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
+        let index = |dof: &usize| border.binary_search(dof).expect("a contact displacement");
         for (dof, others) in &self.changed {
-            let from = place(dof);
+            let from = index(dof);
             let column = s[from * m..(from + 1) * m].to_vec();
             for (other, c) in others {
-                let to = place(other);
+                let to = index(other);
                 s[to * m..(to + 1) * m].iter_mut().zip(&column).for_each(|(to, from)| *to += c * from);
             }
         }
         for column in s.chunks_exact_mut(m) {
             for (dof, others) in &self.changed {
-                let from = column[place(dof)];
+                let from = column[index(dof)];
                 for (other, c) in others {
-                    column[place(other)] += c * from;
+                    column[index(other)] += c * from;
                 }
             }
         }
@@ -255,7 +255,7 @@ mod tests {
         assert!((work(&u, &energy) - work(&changed, &times)).abs() < 1e-14);
         // Parts below the rounding of a number are kept.
         let (mut high, mut low) = (changed, [1e-20; 5]);
-        basis.apply_beyond(&mut high, &mut low);
+        basis.apply_dd(&mut high, &mut low);
         assert_eq!(high, u);
         assert!(low.iter().all(|low| low.abs() < 1e-15 && *low != 0.0), "{low:?}");
     }

@@ -88,11 +88,11 @@ impl FiniteCone {
 fn least_squares<'a>(columns: impl Iterator<Item = &'a Vec<f64>>, b: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let (mut q, mut r) = (Vec::<Vec<f64>>::new(), Vec::<Vec<f64>>::new());
     for column in columns {
-        let (mut products, rest) = without(&q, column);
-        let length = norm(&rest);
+        let (mut products, remainder) = without(&q, column);
+        let length = norm(&remainder);
         products.push(length);
         r.push(products);
-        q.push(rest.iter().map(|x| x / length).collect());
+        q.push(remainder.iter().map(|x| x / length).collect());
     }
     let (mut x, residual) = without(&q, b);
     for k in (0..x.len()).rev() {
@@ -106,15 +106,15 @@ fn least_squares<'a>(columns: impl Iterator<Item = &'a Vec<f64>>, b: &[f64]) -> 
 
 /// Returns the products of `v` with the orthonormal `q`, and the component of `v` orthogonal to them.
 fn without(q: &[Vec<f64>], v: &[f64]) -> (Vec<f64>, Vec<f64>) {
-    let (mut products, mut rest) = (vec![0.0; q.len()], v.to_vec());
+    let (mut products, mut remainder) = (vec![0.0; q.len()], v.to_vec());
     for _ in 0..2 {
         for (q, product) in q.iter().zip(&mut products) {
-            let part = dot(q, &rest);
-            *product += part;
-            rest.iter_mut().zip(q).for_each(|(x, q)| *x -= part * q);
+            let projection = dot(q, &remainder);
+            *product += projection;
+            remainder.iter_mut().zip(q).for_each(|(x, q)| *x -= projection * q);
         }
     }
-    (products, rest)
+    (products, remainder)
 }
 
 /// Returns the Euclidean length of `v`, without overflow or underflow.

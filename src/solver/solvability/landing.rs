@@ -39,35 +39,35 @@ pub(crate) struct Landing {
 }
 
 /// Returns the motion of a body under `load` to its rest position, or `None` if nothing stops it. Its contact nodes
-/// are at `distance` from their obstacles (n_c, m) and count as touching within `reach` (n_c, m).
+/// are at `distance` from their obstacles (n_c, m) and count as touching within `tolerance` (n_c, m).
 pub(crate) fn landing(
     problem: &ContactProblem,
     mu: &[f64],
     load: &Load<'_>,
     distance: &[f64],
-    reach: &[f64],
+    tolerance: &[f64],
 ) -> Option<Landing> {
     let free = Free::new(problem);
     let (load, sizes) = free.work(load);
     let size = norm(&sizes);
     let cones: Vec<FrictionCone> =
         (0..problem.contacts()).map(|i| FrictionCone::of(problem, mu[i], &free, i)).collect();
-    let (mut distance, mut way) = (distance.to_vec(), vec![0.0; load.len()]);
-    if distance.iter().zip(reach).any(|(distance, reach)| -distance > *reach)
+    let (mut distance, mut motion) = (distance.to_vec(), vec![0.0; load.len()]);
+    if distance.iter().zip(tolerance).any(|(distance, reach)| -distance > *reach)
         && let Some(out) = pushed_out(&cones, &distance)
     {
         for (cone, distance) in cones.iter().zip(&mut distance) {
             *distance -= dot(&cone.normal, &out);
         }
-        way = out;
+        motion = out;
     }
     for _ in 0..ROUNDS {
-        let (nodes, apart): (Vec<usize>, Vec<usize>) = (0..cones.len()).partition(|&i| distance[i] <= reach[i]);
+        let (nodes, apart): (Vec<usize>, Vec<usize>) = (0..cones.len()).partition(|&i| distance[i] <= tolerance[i]);
         let touching: Vec<&FrictionCone> = nodes.iter().map(|&i| &cones[i]).collect();
         let driven = unbalanced(&touching, &load, size).and_then(|_| {
             FiniteCone::new(load.len(), touching.iter().map(|cone| cone.normal.clone())).outside(&load, size)
         });
-        let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&way), nodes }) };
+        let Some(y) = driven else { return Some(Landing { weights: free.weights_of(&motion), nodes }) };
         let y: Vec<f64> = y.iter().map(|x| x / norm(&y)).collect();
         // A rounding component of the motion towards an obstacle does not count.
         let nearing = |i: usize| Some(dot(&cones[i].normal, &y)).filter(|w| *w > NEGLIGIBLE * norm(&cones[i].normal));
@@ -80,7 +80,7 @@ pub(crate) fn landing(
                 *distance -= step * dot(&cones[i].normal, &y).min(0.0);
             }
         }
-        way.iter_mut().zip(&y).for_each(|(way, y)| *way += step * y);
+        motion.iter_mut().zip(&y).for_each(|(way, y)| *way += step * y);
     }
     None
 }
@@ -95,8 +95,8 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
         row.collect::<Vec<f64>>()
     };
     let one = [vec![0.0; dimension], vec![1.0]].concat();
-    let rest = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, LONGEST)?;
-    Some(rest[..dimension].iter().map(|x| -x * largest / rest[dimension]).collect())
+    let outside = FiniteCone::new(dimension + 1, cones.iter().zip(distance).map(generator)).outside(&one, LONGEST)?;
+    Some(outside[..dimension].iter().map(|x| -x * largest / outside[dimension]).collect())
 }
 
 /// Returns `true` if a body has rigid modes, and they cause no strain beyond rounding.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use miette::{IntoDiagnostic, miette};
 use stickslip::run::report::csv_table;
-use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, Table, told_apart};
+use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale, Table, curve_style};
 use stickslip_studies::elements::{Point, Problem};
 
 use super::{Answer, jobs, write};
@@ -38,7 +38,7 @@ pub(super) fn elements(args: &ElementsArgs) -> miette::Result<Answer> {
     let all =
         |problem: &Problem| problem.elements().into_iter().map(|kind| sizes(*problem, kind).count()).sum::<usize>();
     let bar = jobs::bar(problems.iter().map(all).sum());
-    let mut answer = Answer { lines: Vec::new(), sound: true };
+    let mut answer = Answer { lines: Vec::new(), has_passed: true };
     for problem in problems {
         let mut points = Vec::new();
         for elements in problem.elements() {
@@ -48,7 +48,7 @@ pub(super) fn elements(args: &ElementsArgs) -> miette::Result<Answer> {
                 bar.inc(1);
             }
         }
-        answer.sound &= points.iter().all(|point| point.value.is_finite());
+        answer.has_passed &= points.iter().all(|point| point.value.is_finite());
         let chart = |of: Against| chart(problem, &points, of).to_svg().into_diagnostic();
         let name = |end: &str| format!("{}{end}", problem.name());
         let files = [
@@ -115,7 +115,7 @@ fn chart(problem: Problem, points: &[Point], against: Against) -> Chart {
         Against::Time => ("CPU time, s", |point| point.seconds),
     };
     let curve = |(k, elements)| {
-        let (colour, marker) = told_apart(k);
+        let (colour, marker) = curve_style(k);
         Curve {
             label: format!("{elements}"),
             points: points

@@ -67,7 +67,7 @@ pub(super) fn estimates(args: &EstimatesArgs) -> miette::Result<Answer> {
     } else {
         words(&rows)
     };
-    Ok(Answer { lines, sound: true })
+    Ok(Answer { lines, has_passed: true })
 }
 
 const HEADER: [&str; 6] = ["subject", "cells", "poisson", "across", "error", "estimate"];
@@ -94,7 +94,7 @@ fn words(rows: &[Row]) -> Vec<String> {
     let mut lines = Vec::new();
     for (subject, kind, of) in groups(rows) {
         lines.push(format!("{subject}, {}", kind.name()));
-        let told = match subject {
+        let tables = match subject {
             Subject::Line | Subject::Sphere => peaks(&of),
             Subject::Work => by_increments(&of, 0.1),
             Subject::Friction => by_increments(&of, 0.05),
@@ -102,7 +102,7 @@ fn words(rows: &[Row]) -> Vec<String> {
             _ if kind.is_quadratic() => stiffnesses(&of),
             Subject::Pressed | Subject::Cantilever => [stiffnesses(&of), verdicts(&of, 0.05, 0.02)].concat(),
         };
-        lines.extend(told);
+        lines.extend(tables);
     }
     lines
 }
@@ -171,11 +171,11 @@ fn by_increments(rows: &[&Row], limit: f64) -> Vec<String> {
         let factors = factors(of.iter().copied(), 0.01, f64::INFINITY);
         let counts = [of.len(), factors.len(), within(&factors, 2.0), within(&factors, 3.0)].map(|n| n.to_string());
         let median = factors.get(factors.len() / 2).map_or(String::new(), |factor| format!("{factor:.2}"));
-        let told = told(of, limit).map(|n| n.to_string());
-        table.push([name].into_iter().chain(counts).chain([median]).chain(told).collect());
+        let counts_of_warnings = warned(of, limit).map(|n| n.to_string());
+        table.push([name].into_iter().chain(counts).chain([median]).chain(counts_of_warnings).collect());
     }
     let exact: Vec<&Row> = rows.iter().copied().filter(|row| row.error.abs() < ROUNDING).collect();
-    let [.., wrong, quiet] = told(&exact, limit);
+    let [.., wrong, quiet] = warned(&exact, limit);
     vec![
         format!("warned of from {:.0} % on\n{table}", 100.0 * limit),
         format!("of states without an error {wrong} are warned of, {quiet} are not"),
@@ -196,7 +196,7 @@ fn within(factors: &[f64], most: f64) -> usize {
 }
 
 /// Hits, missed, false and quiet where errors above the `limit` are to be warned of.
-fn told(rows: &[&Row], limit: f64) -> [usize; 4] {
+fn warned(rows: &[&Row], limit: f64) -> [usize; 4] {
     let is = |row: &Row| [row.error.abs() > limit, row.warned.unwrap_or(row.estimate.abs() > limit)];
     [[true, true], [true, false], [false, true], [false, false]]
         .map(|wanted| rows.iter().filter(|row| is(row) == wanted).count())
@@ -205,7 +205,7 @@ fn told(rows: &[&Row], limit: f64) -> [usize; 4] {
 /// The rule that warns from `limit` on, and how near estimates are to errors between `least` and 300 %.
 fn verdicts(rows: &[&Row], limit: f64, least: f64) -> Vec<String> {
     let factors = factors(rows.iter().copied(), least, 3.0);
-    let [hits, missed, wrong, quiet] = told(rows, limit);
+    let [hits, missed, wrong, quiet] = warned(rows, limit);
     vec![format!(
         "more than {:.0} %: {hits} hits, {missed} missed, {wrong} false, {quiet} quiet; within 2 in {} of {all}, within 3 in {} of {all}",
         100.0 * limit,

@@ -64,8 +64,8 @@ pub(super) fn extremes(args: &ExtremesArgs) -> miette::Result<Answer> {
         }
     }
     // BN's default has to be right wherever it is known what is right.
-    let sound = rows.iter().all(|row| row.method != SuiteMethod::Bn || row.right() != Some(false));
-    Ok(Answer { lines, sound })
+    let has_passed = rows.iter().all(|row| row.method != SuiteMethod::Bn || row.right() != Some(false));
+    Ok(Answer { lines, has_passed })
 }
 
 /// What a person reads.

@@ -25,7 +25,7 @@ pub(super) fn figures(args: &FiguresArgs) -> miette::Result<Answer> {
     write(&args.out, &[])?;
 
     let bar = jobs::bar(figures.iter().map(|figure| figure.increments()).sum());
-    let mut answer = Answer { lines: Vec::new(), sound: true };
+    let mut answer = Answer { lines: Vec::new(), has_passed: true };
     for figure in figures {
         let name = format!("figure{}", figure.number());
         bar.set_message(name.clone());
@@ -34,7 +34,7 @@ pub(super) fn figures(args: &FiguresArgs) -> miette::Result<Answer> {
         write(&args.out, &[(format!("{name}.csv"), data.to_csv()), (format!("{name}.svg"), svg)])?;
         answer.lines.push(args.out.join(name).with_extension("svg").display().to_string());
         answer.lines.extend(data.summary().iter().map(|line| format!("  {line}")));
-        answer.sound &= data.converged();
+        answer.has_passed &= data.converged();
     }
     bar.finish_and_clear();
     Ok(answer)

@@ -45,5 +45,5 @@ pub(super) fn gaps(args: &GapsArgs) -> miette::Result<Answer> {
             ]);
         }
     }
-    Ok(Answer { lines: vec![table.to_string()], sound: true })
+    Ok(Answer { lines: vec![table.to_string()], has_passed: true })
 }

@@ -98,7 +98,7 @@ pub(super) fn tables(args: &TablesArgs) -> miette::Result<Answer> {
         .map(|&method| Column::new(method, cells.iter().filter(|cell| cell.method == method).copied().collect()))
         .collect();
     // What the table says of prev is chance; the others have to get through.
-    let sound = cells.iter().all(|cell| cell.status == Status::Converged || cell.method == PaperMethod::IpPrev);
+    let has_passed = cells.iter().all(|cell| cell.status == Status::Converged || cell.method == PaperMethod::IpPrev);
     let computed = Computed { table: table.title(), notes: notes(table, &columns), columns };
     let lines = if selection.json {
         vec![serde_json::to_string_pretty(&computed).into_diagnostic()?]
@@ -107,7 +107,7 @@ pub(super) fn tables(args: &TablesArgs) -> miette::Result<Answer> {
     } else {
         words(&cases, &computed)
     };
-    Ok(Answer { lines, sound })
+    Ok(Answer { lines, has_passed })
 }
 
 /// Computes the cells, several at a time, and shows the progress.
@@ -208,10 +208,10 @@ fn words(cases: &[Case], computed: &Computed) -> Vec<String> {
         let mut worst = 0.0_f64;
         for column in &computed.columns {
             let cell = &column.cells[k];
-            let sound = cell.status == Status::Converged;
+            let is_solved = cell.status == Status::Converged;
             let [converged, all] = cell.converged;
-            let here = if sound { format!("{:.2}", cell.here.nle) } else { format!("{converged} of {all}") };
-            let nls = cell.here.nls.filter(|_| sound).map_or("-".to_string(), |nls| format!("{nls:.2}"));
+            let here = if is_solved { format!("{:.2}", cell.here.nle) } else { format!("{converged} of {all}") };
+            let nls = cell.here.nls.filter(|_| is_solved).map_or("-".to_string(), |nls| format!("{nls:.2}"));
             match cell.paper {
                 Some(Counts { nle, nls: Some(paper) }) => {
                     row.extend([format!("{nle:.1}"), here, format!("{paper:.1}"), nls]);
@@ -219,7 +219,7 @@ fn words(cases: &[Case], computed: &Computed) -> Vec<String> {
                 Some(Counts { nle, nls: None }) => row.extend([format!("{nle:.1}"), here]),
                 None => row.push(here),
             }
-            if sound {
+            if is_solved {
                 worst = worst.max(cell.worst_error);
             }
         }

@@ -72,5 +72,5 @@ pub(super) fn told(args: &ToldArgs) -> miette::Result<Answer> {
         let more = [share, larger.to_string(), median(ratios), silent.len().to_string(), above.to_string()];
         summary.push([vec![name], counts.to_vec(), more.to_vec()].concat());
     }
-    Ok(Answer { lines: [vec![table.to_string(), summary.to_string()], failed].concat(), sound: true })
+    Ok(Answer { lines: [vec![table.to_string(), summary.to_string()], failed].concat(), has_passed: true })
 }

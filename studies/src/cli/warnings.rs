@@ -41,7 +41,7 @@ pub(super) fn warnings(args: &WarningsArgs) -> miette::Result<Answer> {
         rows.for_each(|row| table.push(row));
         vec![table.to_string(), kinds(&judged).to_string(), summary(&judged)]
     };
-    Ok(Answer { lines, sound: true })
+    Ok(Answer { lines, has_passed: true })
 }
 
 fn row(judged: &Judged) -> Vec<String> {

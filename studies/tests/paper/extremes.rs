@@ -142,11 +142,11 @@ impl Observer for Judge<'_> {
         self.scales.raise(step.increment, step.state);
         let map = natural_map(problem, step.increment, step.state, &self.scales);
         assert!(map <= 2e-10, "{name}, increment {}: natural map {map}", step.record.index);
-        let (told, truth) =
+        let (reported, truth) =
             (step.record.kkt.equilibrium, imbalance(problem, step.increment, step.state, self.scales.force));
         assert!(truth <= 1e-10, "{name}, increment {}: imbalance {truth}", step.record.index);
         // Rows with small terms are told by these.
-        assert!(truth <= 10.0 * told + 1e-15, "{name}, increment {}: {told} for {truth}", step.record.index);
+        assert!(truth <= 10.0 * reported + 1e-15, "{name}, increment {}: {reported} for {truth}", step.record.index);
         ControlFlow::Continue(())
     }
 }

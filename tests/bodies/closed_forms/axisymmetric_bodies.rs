@@ -93,8 +93,8 @@ fn thick_cylinder() {
         let quadratic = cells.is_quadratic();
         let errors = [8, 16].map(|n| {
             let mut body = ring(a, [b - a, h], [n, n / 4], cells, Material::new(YOUNG, NU))
-                .held(Support::new("bottom", &[Axis::Y]))
-                .held(Support::new("top", &[Axis::Y]))
+                .with_support(Support::new("bottom", &[Axis::Y]))
+                .with_support(Support::new("top", &[Axis::Y]))
                 .load(Action::Pressure { boundary: "left".into(), pressure: p.into() }.into());
             body.element = element;
             let found = solved(&body);
@@ -137,7 +137,7 @@ fn warm_discs_are_free_of_stress() {
         for (cells, element) in ELEMENTS {
             let material = Material { expansion: Some(12e-6), ..Material::new(YOUNG, NU) };
             let mut body = ring(inner, [0.1, 0.02], [5, 3], cells, material)
-                .held(Support::new("bottom", &[Axis::Y]))
+                .with_support(Support::new("bottom", &[Axis::Y]))
                 .load(Action::Temperature(Field::from(50.0)).into());
             body.element = element;
             let found = solved(&body);
@@ -160,8 +160,8 @@ fn spinning_cylinder() {
     for (cells, within) in [(CellKind::Quadrilateral, 5e-3), (CellKind::Triangle, 2e-2), (CellKind::Triangle6, 1e-3)] {
         let found = solved(
             &ring(0.0, [b, 0.02], [20, 2], cells, material.clone())
-                .held(Support::new("bottom", &[Axis::Y]))
-                .held(Support::new("top", &[Axis::Y]))
+                .with_support(Support::new("bottom", &[Axis::Y]))
+                .with_support(Support::new("top", &[Axis::Y]))
                 .load(Action::Spin { axis: None, through: None, speed }.into()),
         );
         let unit = density * speed * speed / (8.0 * (1.0 - NU));
@@ -217,9 +217,11 @@ fn supports_move_along_the_axis() {
         for fixed in [&[Axis::Y][..], &[Axis::X, Axis::Y]] {
             let nu = if fixed.len() == 1 { NU } else { 0.0 };
             let mut body = ring(0.0, [r, h], [4, 5], cells, Material::new(YOUNG, nu))
-                .held(Support::new("bottom", fixed).moved(&[&[0.0; 2][..fixed.len() - 1], &[0.5e-3]].concat()))
-                .held(Support::new("top", fixed).moved(&[&[0.0; 2][..fixed.len() - 1], &[0.5e-3 + to]].concat()))
-                .held(Support::new("left", &[Axis::X]));
+                .with_support(Support::new("bottom", fixed).moved(&[&[0.0; 2][..fixed.len() - 1], &[0.5e-3]].concat()))
+                .with_support(
+                    Support::new("top", fixed).moved(&[&[0.0; 2][..fixed.len() - 1], &[0.5e-3 + to]].concat()),
+                )
+                .with_support(Support::new("left", &[Axis::X]));
             body.element = element;
             let found = solved(&body);
             let strain = to / h;
@@ -236,7 +238,7 @@ fn supports_move_along_the_axis() {
 #[test]
 fn a_cone_on_its_seat() {
     let mut body = ring(0.0, [0.3, 0.5], [4, 5], CellKind::Quadrilateral, Material::new(YOUNG, NU));
-    body = body.held(Support::along("bottom", [0.6, -0.8], 4e-4)).load(Load::new("top", &[0.0, -1e6]));
+    body = body.with_support(Support::along("bottom", [0.6, -0.8], 4e-4)).load(Load::new("top", &[0.0, -1e6]));
     let found = solved(&body);
     for (x, u) in found.model.mesh.nodes.iter().zip(&found.end).filter(|(x, _)| x[1] == 0.0) {
         assert!((0.6 * u[0] - 0.8 * u[1] - 4e-4).abs() < 1e-16, "{x:?} {u:?}");
@@ -283,7 +285,7 @@ fn units_are_not_per_depth() {
     assert!((load[1] + 2e3).abs() < 1e-9, "{load:?}");
     // A load by a formula of the radius.
     let by_formula = ring(0.0, [0.3, 0.5], [3, 5], CellKind::Quadrilateral, Material::new(200e9, NU))
-        .held(Support::new("bottom", &[Axis::Y]))
+        .with_support(Support::new("bottom", &[Axis::Y]))
         .load(Action::Pressure { boundary: "top".into(), pressure: formula("1e6 * x") }.into());
     let sum = Model::build(&by_formula).unwrap().forces_of_loads().next().unwrap()[1];
     assert!((sum / -(2.0 * PI * 1e6 * 0.3_f64.powi(3) / 3.0) - 1.0).abs() < 1e-13, "{sum}");
@@ -295,8 +297,8 @@ fn locking_is_seen() {
     for poisson in [0.45, 0.49, 0.499] {
         let disc = |cells, element, n: usize| {
             let mut body = ring(0.0, [1.0, 0.5], [2 * n, n], cells, Material::new(1e6, poisson))
-                .held(Support::new("bottom", &[Axis::X, Axis::Y]))
-                .held(Support::new("top", &[Axis::X, Axis::Y]).moved(&[0.0, -1e-3]));
+                .with_support(Support::new("bottom", &[Axis::X, Axis::Y]))
+                .with_support(Support::new("top", &[Axis::X, Axis::Y]).moved(&[0.0, -1e-3]));
             body.element = element;
             let found = solved(&body);
             (found.reaction(1), found.report)

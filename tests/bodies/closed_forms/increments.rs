@@ -95,16 +95,16 @@ fn a_node_that_sticks_where_it_touches_though_its_increment_has_it_slide() {
 #[test]
 fn loads_that_are_there_at_the_start_and_change_at_once_are_warned_of() {
     let block = ["mesh.elements=[20,20]", "contact.friction=0.2", "load[1].history=[[0,0],[2,0]]"];
-    let told = |history: &str, increments: usize| {
+    let warning = |history: &str, increments: usize| {
         let history = format!("load[0].history={history}");
         let report = solved(BLOCK, increments, &[&block[..], &[&history]].concat());
         let message = report.warnings.into_iter().find(|warning| warning.kind == WarningKind::IncrementsForce);
         message.filter(|warning| warning.message.contains("t = 0")).map(|warning| warning.message)
     };
-    let message = told("[[0,1],[2,0.25]]", 1).unwrap();
+    let message = warning("[[0,1],[2,0.25]]", 1).unwrap();
     assert!(message.contains("history = [[0, 1], [1, 1], [2, 0]]"), "{message}");
     for (history, increments) in [("[[0,1],[1,1],[2,0.25]]", 2), ("[[0,0],[2,1]]", 1), ("[[0,1],[2,1]]", 1)] {
-        assert_eq!(told(history, increments), None, "{history}");
+        assert_eq!(warning(history, increments), None, "{history}");
     }
 }
 

@@ -11,11 +11,10 @@ fn drawn(drawn: f64, friction: f64) -> RunReport {
     let times = (1..=20).map(|k| 0.1 * f64::from(k)).collect();
     let along = Support::new("top", &[Axis::X]).moved(&[drawn]).over(&[[1.0, 0.0], [2.0, 1.0]]);
     let down = Support::new("top", &[Axis::Y]).moved(&[-1e-3]).over(&[[0.0, 0.0], [1.0, 1.0]]);
-    let body = Description::new(block(&[2.0, 1.0], &[8, 4]), material, times).held(along).held(down).contact(
-        "bottom",
-        friction,
-        [Obstacle::plane(0.0)],
-    );
+    let body = Description::new(block(&[2.0, 1.0], &[8, 4]), material, times)
+        .with_support(along)
+        .with_support(down)
+        .contact("bottom", friction, [Obstacle::plane(0.0)]);
     let model = Model::build(&body).unwrap();
     let report = Run::of(&model, model.times().to_vec(), bn()).unwrap();
     let report = report.solve(&mut ()).unwrap();
@@ -69,15 +68,15 @@ fn the_error_of_a_shared_force_is_told() {
     let springs = "[[spring]]\nboundary = \"right\"\nstiffness = [0, 1e8]\n";
     let (coarse, fine) = (pressed(1, springs), pressed(4, springs));
     let [here, there] = [&coarse, &fine].map(|report| report.largest_force.clone().unwrap());
-    let (told, error) = (here.mesh_error.unwrap(), (here.magnitude - there.magnitude).abs() / here.magnitude);
+    let (estimate, error) = (here.mesh_error.unwrap(), (here.magnitude - there.magnitude).abs() / here.magnitude);
     let of_energy = coarse.estimates.discretisation.unwrap().powi(2);
-    println!("told {told:.2e}, true {error:.2e}, square of the error in the energy norm {of_energy:.2e}");
-    assert!(!here.given && (1.0 / 3.0..3.0).contains(&(told / error)), "{told} {error}");
+    println!("told {estimate:.2e}, true {error:.2e}, square of the error in the energy norm {of_energy:.2e}");
+    assert!(!here.given && (1.0 / 3.0..3.0).contains(&(estimate / error)), "{estimate} {error}");
     assert!(of_energy > 4.0 * error, "{of_energy} {error}");
     // However it is solved, it is the same.
     for solver in ["linear = \"condensed\"", "method = \"ip\"", "method = \"events\""] {
         let other = pressed(1, &format!("{springs}[solver]\n{solver}\n")).largest_force.unwrap().mesh_error.unwrap();
-        assert!((other / told - 1.0).abs() < 1e-3, "{solver} {other} {told}");
+        assert!((other / estimate - 1.0).abs() < 1e-3, "{solver} {other} {estimate}");
     }
 }
 
@@ -109,10 +108,10 @@ fn an_error_of_increments_above_the_force_is_unknown() {
         let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
         (report.estimates.increments.unwrap().resultant_error.unwrap(), report.holding_force.unwrap().time_error)
     };
-    let (error, told) = of(4);
-    assert!(error > 1.0 && told.is_none(), "{error} {told:?}");
-    let (error, told) = of(64);
-    assert!(error < 1.0 && told == Some(error), "{error} {told:?}");
+    let (error, estimate) = of(4);
+    assert!(error > 1.0 && estimate.is_none(), "{error} {estimate:?}");
+    let (error, estimate) = of(64);
+    assert!(error < 1.0 && estimate == Some(error), "{error} {estimate:?}");
 }
 
 /// Two blocks of one width, of which the upper one is pressed and pulled along the other until it slides. A coarse mesh does

@@ -207,8 +207,8 @@ fn oblique_supports() {
         let plane = Shape::PlaneThrough { through: turn([0.0, -1e-5]).into() };
         let normal = Some(turn([0.0, -1.0]).into());
         Description::new(mesh, Material::new(210e9, 0.3), vec![0.5, 1.0])
-            .held(Support::along("right", turn([1.0, 0.0]), -2e-5).over(&[[0.5, 0.0], [1.0, 1.0]]))
-            .held(Support::normal("left"))
+            .with_support(Support::along("right", turn([1.0, 0.0]), -2e-5).over(&[[0.5, 0.0], [1.0, 1.0]]))
+            .with_support(Support::normal("left"))
             .contact("bottom", 0.4, Obstacle { normal, ..Obstacle::at_rest(plane) })
             .load(Load::new("top", &turn([1e6, -10e6])).over(&[[0.0, 0.0], [0.5, 1.0]]))
     };
@@ -230,7 +230,7 @@ fn oblique_supports() {
 fn a_ring_held_along_its_normals() {
     let material = Material { expansion: Some(1e-5), ..Material::new(YOUNG, NU) };
     let ring = ring_of(material, 16)
-        .held(Support::normal("inner").moved(&[-1e-5]))
+        .with_support(Support::normal("inner").moved(&[-1e-5]))
         .load(Action::Temperature(0.0.into()).into());
     let ring = solved(&ring);
     // Every node of the bore has moved by 1e-5 m outwards: the normal of the bore is inwards.
@@ -260,9 +260,9 @@ fn supports_or_obstacles_move() {
     let obstacle = body().support("top", &BOTH).contact("bottom", 0.3, moving(path(-8e-6, 2e-5)));
     let top = || Support::new("top", &[Axis::Y]).moved(&[-2e-5]).over(&press);
     let across = || Support::new("top", &[Axis::X]).moved(&[8e-6]).over(&slide);
-    let supports = body().held(top()).held(across()).contact("bottom", 0.3, moving(None));
+    let supports = body().with_support(top()).with_support(across()).contact("bottom", 0.3, moving(None));
     let carry = [[0.0, 0.0], [1.0, 1.0]];
-    let carried = supports.clone().held(Support::new("top", &[Axis::X]).moved(&[1.0]).over(&carry));
+    let carried = supports.clone().with_support(Support::new("top", &[Axis::X]).moved(&[1.0]).over(&carry));
     assert!(Model::build(&carried).is_err(), "two supports move a node to different places");
     let reference = solved(&obstacle);
     let forces = |solved: &Solved| {
@@ -278,8 +278,8 @@ fn supports_or_obstacles_move() {
     assert!(expected[7].abs() > 0.1 * expected[6], "{expected:?}");
     let far = Some(vec![(0.0, [0.0, 0.0].into()), (0.5, [0.5, 0.0].into()), (1.0, [1.0, 0.0].into())]);
     let carried = body()
-        .held(Support::new("top", &[Axis::Y]).moved(&[-2e-5]).over(&press))
-        .held(Support::new("top", &[Axis::X]).moved(&[1.0 + 8e-6]).over(&[
+        .with_support(Support::new("top", &[Axis::Y]).moved(&[-2e-5]).over(&press))
+        .with_support(Support::new("top", &[Axis::X]).moved(&[1.0 + 8e-6]).over(&[
             [0.0, 0.0],
             [0.5, 0.5 / (1.0 + 8e-6)],
             [1.0, 1.0],
@@ -308,8 +308,8 @@ fn everything_in_balance() {
     let material = Material { density: Some(7850.0), expansion: Some(1.2e-5), ..Material::new(210e9, 0.3) };
     let body = Description::new(MeshSource::block([1.0, 1.0, 0.5], [4, 4, 2]), material, vec![0.5, 1.0])
         .support("left", &[Axis::X])
-        .held(Support::along("right", [1.0, 1.0, 0.0], 1e-6))
-        .held(Support::new("left", &[Axis::Y]).at([0.0, 0.0, 0.5]))
+        .with_support(Support::along("right", [1.0, 1.0, 0.0], 1e-6))
+        .with_support(Support::new("left", &[Axis::Y]).at([0.0, 0.0, 0.5]))
         .spring(Bed::surface("back", 1e9, 1e8))
         .contact("bottom", 0.3, Obstacle::plane(0.0))
         .load(Action::Acceleration(vec![0.0, 0.0, -9.81]).into())
@@ -338,7 +338,7 @@ fn everything_in_balance() {
 fn a_carried_body_drags_its_springs() {
     let body = |displacement: f64, friction: f64| {
         Description::new(MeshSource::block([0.2, 0.1], [16, 8]), Material::new(210e9, 0.3), vec![0.5, 1.0, 1.5, 2.0])
-            .held(Support::new("left", &BOTH).moved(&[displacement, 0.0]))
+            .with_support(Support::new("left", &BOTH).moved(&[displacement, 0.0]))
             .spring(Bed::surface("right", 1.0, 1.0))
             .contact("bottom", friction, Obstacle::plane(0.0))
             .load(Load::new("top", &[0.0, -0.5]))
@@ -359,7 +359,7 @@ fn directions_that_are_off_their_axis_by_rounding() {
     let pressed = |direction: [f64; 2]| {
         let mesh = MeshSource::block([1.0, 0.5], [10, 5]);
         let body = Description::new(mesh, Material::new(2e11, 0.3), vec![1.0])
-            .held(Support::along("top", direction, 1e-6))
+            .with_support(Support::along("top", direction, 1e-6))
             .spring(Bed::surface("left", 1e10, 0.0))
             .contact("bottom", 0.3, Obstacle::plane(0.0))
             .load(Load::new("right", &[-1e3, 0.0]));

@@ -26,10 +26,10 @@ fn the_error_of_the_mesh_is_seen() {
                 .support("left", &[Axis::X])
                 .load(Action::Traction { boundary: "right".to_string(), traction }.into());
             body = match d {
-                2 => body.held(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
+                2 => body.with_support(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
                 _ => body
-                    .held(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
-                    .held(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
+                    .with_support(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
+                    .with_support(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
             };
             let report = solved(&body);
             let energy = report.increments[0].strain_energy;
@@ -75,11 +75,11 @@ fn the_error_of_cells_of_second_order_is_seen() {
                 .load(tractions("right", [&format!("{most} * (y - 0.5)"), &format!("{most} * {tau}")]).into())
                 .load(tractions("left", ["0", &format!("-{most} * {tau}")]).into());
             body = match d {
-                2 => body.held(at(&[Axis::X, Axis::Y], [0.0; 3])).held(at(&[Axis::X], [0.0, 1.0, 0.0])),
+                2 => body.with_support(at(&[Axis::X, Axis::Y], [0.0; 3])).with_support(at(&[Axis::X], [0.0, 1.0, 0.0])),
                 _ => body
-                    .held(at(&[Axis::X, Axis::Y, Axis::Z], [0.0; 3]))
-                    .held(at(&[Axis::X, Axis::Z], [0.0, 1.0, 0.0]))
-                    .held(at(&[Axis::X], [0.0, 0.0, 1.0])),
+                    .with_support(at(&[Axis::X, Axis::Y, Axis::Z], [0.0; 3]))
+                    .with_support(at(&[Axis::X, Axis::Z], [0.0, 1.0, 0.0]))
+                    .with_support(at(&[Axis::X], [0.0, 0.0, 1.0])),
             };
             let report = solved(&body);
             let energy = report.increments[0].strain_energy;
@@ -343,11 +343,11 @@ fn rounding_is_no_strain() {
         let body = Description::new(MeshSource::block([0.1, 0.1], [8, 8]), material, vec![1.0]);
         let body = match plane {
             Plane::Axisymmetric => body
-                .held(Support::new("", &[Axis::Y]).at([0.0, 0.0]))
+                .with_support(Support::new("", &[Axis::Y]).at([0.0, 0.0]))
                 .load(Load::from(Action::Temperature(Field::Uniform(100.0)))),
-            _ => {
-                body.held(Support::along("bottom", [0.0, 1.0], 1e-3)).held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
-            }
+            _ => body
+                .with_support(Support::along("bottom", [0.0, 1.0], 1e-3))
+                .with_support(Support::new("", &[Axis::X]).at([0.0, 0.0])),
         };
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();

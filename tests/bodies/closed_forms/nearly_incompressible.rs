@@ -53,8 +53,8 @@ fn tube(cells: CellKind, element: Element, nu: f64) -> ([f64; 2], Option<f64>, O
     let [a, b, h, delta] = TUBE;
     let n = if cells.is_quadratic() { [8, 6] } else { [16, 12] };
     let mut body = ring(a, [b - a, h], n, cells, Material::new(YOUNG, nu))
-        .held(Support::new("bottom", &[Axis::Y]))
-        .held(Support::new("top", &[Axis::Y]))
+        .with_support(Support::new("bottom", &[Axis::Y]))
+        .with_support(Support::new("top", &[Axis::Y]))
         .contact("right", 0.0, Obstacle::plane(-delta));
     body.element = element;
     let model = Model::build(&body).unwrap();
@@ -66,9 +66,9 @@ fn tube(cells: CellKind, element: Element, nu: f64) -> ([f64; 2], Option<f64>, O
     let p = delta * YOUNG / ((1.0 + nu) * share * ((1.0 - 2.0 * nu) * b + a * a / b));
     let hoop = |r: f64| -p * share * (1.0 + a * a / (r * r));
     let off = line.hoop.iter().map(|[r, found]| ((found - hoop(*r)) / hoop(a)).abs()).fold(0.0, f64::max);
-    let rough = line.pressures.iter().map(|found| (found / p - 1.0).abs()).fold(0.0, f64::max);
+    let scatter = line.pressures.iter().map(|found| (found / p - 1.0).abs()).fold(0.0, f64::max);
     let warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::RoughStresses);
-    ([off, rough], report.estimates.stresses, report.estimates.locking, warned)
+    ([off, scatter], report.estimates.stresses, report.estimates.locking, warned)
 }
 
 /// Stresses that are far worse than the force are told, and locking does not jump to what is expected of other bodies.
@@ -124,9 +124,9 @@ fn pressures_of_a_tube() {
         (CellKind::Quadrilateral8, 0.499, [0.0, 0.01]),
         (CellKind::Quadrilateral9, 0.499, [0.0, 0.01]),
     ] {
-        let ([_, rough], ..) = tube(cells, Element::NodalVolume, nu);
-        println!("{cells:?} with nodal volumes, nu {nu}: pressures off by {rough:.4}");
-        assert!((least..most).contains(&rough), "{cells:?} {nu}: {rough}");
+        let ([_, scatter], ..) = tube(cells, Element::NodalVolume, nu);
+        println!("{cells:?} with nodal volumes, nu {nu}: pressures off by {scatter:.4}");
+        assert!((least..most).contains(&scatter), "{cells:?} {nu}: {scatter}");
     }
 }
 
@@ -142,7 +142,7 @@ fn plates_of_second_order() {
         }) {
             let [nodal, plain] = [Element::NodalVolume, Element::Bilinear].map(|element| {
                 let mut body = ring(0.0, [a, h], [10 * n, n], CellKind::Triangle6, Material::new(young, nu))
-                    .held(Support::new("", &[Axis::Y]).at([a, 0.0]))
+                    .with_support(Support::new("", &[Axis::Y]).at([a, 0.0]))
                     .load(Action::Pressure { boundary: "top".into(), pressure: p.into() }.into());
                 body.element = element;
                 let (model, mut end) = (Model::build(&body).unwrap(), Recording::last());

@@ -70,7 +70,7 @@ fn tube_errors(kind: CellKind, element: Element, plane: Option<Plane>, nu: f64, 
         _ => &[("front", Axis::Y), ("back", Axis::X), ("bottom", Axis::Z), ("top", Axis::Z)],
     };
     for (boundary, axis) in planes {
-        body = body.held(Support::new(boundary, &[*axis]));
+        body = body.with_support(Support::new(boundary, &[*axis]));
     }
     body = match inside {
         Inside::Pressure => {
@@ -162,10 +162,10 @@ fn bent(kind: CellKind, n: usize) -> f64 {
         .support("left", &[Axis::X])
         .load(Action::Traction { boundary: "right".to_string(), traction }.into());
     body = match d {
-        2 => body.held(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
+        2 => body.with_support(Support::new("left", &[Axis::Y]).at([0.0, 0.0])),
         _ => body
-            .held(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
-            .held(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
+            .with_support(Support::new("left", &[Axis::Y, Axis::Z]).at([0.0, 0.0, 0.0]))
+            .with_support(Support::new("left", &[Axis::Z]).at([0.0, 1.0, 0.0])),
     };
     let Solved { model, nodal, .. } = solved(&body);
     let off = |(x, stress): (&[f64; 3], &[f64; 6])| (stress[0] / PRESSURE - (1.0 - 2.0 * x[1])).abs();

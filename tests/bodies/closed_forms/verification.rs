@@ -170,9 +170,10 @@ fn mindlin_sphere() {
         let limit = (1.0 - 1e-9) * mu * state.p_n[i];
         state.p_n[i] > 0.0 && state.p_t[i].hypot(state.p_o[i]) < limit
     };
-    let stuck: Vec<[f64; 3]> =
+    let sticking: Vec<[f64; 3]> =
         (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].position).collect();
-    let reach = |along: fn(f64, f64) -> f64| stuck.iter().map(|x| along(x[0] - middle, x[1])).fold(0.0_f64, f64::max);
+    let reach =
+        |along: fn(f64, f64) -> f64| sticking.iter().map(|x| along(x[0] - middle, x[1])).fold(0.0_f64, f64::max);
     let ends = [reach(|x, y| if y == 0.0 { x } else { 0.0 }), reach(|x, y| if y == 0.0 { -x } else { 0.0 })];
     let aside = reach(|x, y| if x.abs() < 1e-9 { y } else { 0.0 });
     let area: f64 = (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].weight).sum();
@@ -199,9 +200,9 @@ fn cattaneo_mindlin_line(elements: usize) -> [f64; 2] {
         let hertz = Hertz::line(sum(&state.p_n), RADIUS, YOUNG / (1.0 - 0.499_f64.powi(2)));
         let sticks = |i: usize| state.p_n[i] > 0.0 && state.p_t[i].abs() < (1.0 - 1e-9) * mu * state.p_n[i];
         let place = |i: usize| model.contacts[i].position[0] - middle;
-        let stuck: Vec<f64> = (0..model.contacts.len()).filter(|&i| sticks(i)).map(place).collect();
+        let sticking: Vec<f64> = (0..model.contacts.len()).filter(|&i| sticks(i)).map(place).collect();
         let c = hertz.stick(reversal);
-        let ends = [-1.0, 1.0].map(|side| stuck.iter().fold(0.0_f64, |m, x| m.max(side * x)));
+        let ends = [-1.0, 1.0].map(|side| sticking.iter().fold(0.0_f64, |m, x| m.max(side * x)));
         println!("{elements}: shares {shares:?}, a {}, stick to {ends:?}, closed form {c}", hertz.a);
         assert!(ends.iter().all(|end| (end - c).abs() < h), "{ends:?} {c} {h}");
         distance(&model, &state.p_t, |x| match k {

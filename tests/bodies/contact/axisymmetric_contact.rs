@@ -39,13 +39,13 @@ fn methods() -> [(Method, LinearAlgebra); 4] {
 
 #[test]
 fn parabolas_on_cylinders() {
-    for (cells, n, element, poisson, smooth, rough) in [
+    for (cells, n, element, poisson, frictionless, frictional) in [
         ("quadrilateral", 8, "bilinear", 0.3, 1.185_084_298_5e-2, [1.206_990_564_4e-2, 2.573_787_665_7e-3]),
         ("quadrilateral", 8, "b-bar", 0.49, 1.459_128_966_3e-2, [1.463_842_822_7e-2, 1.348_538_098_4e-3]),
         ("triangle", 8, "bilinear", 0.3, 1.252_219_990_8e-2, [1.289_577_026_4e-2, 3.178_546_806_4e-3]),
         ("triangle6", 4, "bilinear", 0.3, 1.307_673_592_2e-2, [1.336_649_878_2e-2, 3.371_338_204_1e-3]),
     ] {
-        for (mu, expected) in [(0.0, [smooth, 0.0]), (0.3, rough)] {
+        for (mu, expected) in [(0.0, [frictionless, 0.0]), (0.3, frictional)] {
             let model = discretise(&cylinder(cells, n, element, poisson, mu)).unwrap();
             // A node on the axis cannot slide.
             let cannot = |contact: &ContactNode| contact.tangents[0].is_empty() == (contact.position[0] == 0.0);
@@ -152,7 +152,7 @@ fn spheres_and_punches() {
             let of = exact / (4.0 * std::f64::consts::PI * shear * distance);
             let u_r = of * (r * z / (distance * distance) - (1.0 - 2.0 * nu) * r / (distance + z));
             let u_z = of * (z * z / (distance * distance) + 2.0 * (1.0 - nu));
-            body = body.held(Support::new("", &[Axis::X, Axis::Y]).at([r, y]).moved(&[u_r, -u_z]));
+            body = body.with_support(Support::new("", &[Axis::X, Axis::Y]).at([r, y]).moved(&[u_r, -u_z]));
         }
         let model = Model::build(&body).unwrap();
         let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
@@ -179,9 +179,12 @@ fn contact_patch_tests() {
     for (cells, element) in ELEMENTS {
         for inner in [0.0, 0.1] {
             let cylinder = || ring(inner, [0.2, 0.3], [4, 3], cells, Material::new(young, nu));
-            let plate = cylinder().held(Support::new("bottom", &[Axis::Y])).contact("top", 0.0, [Obstacle::plane(-to)]);
-            let tube = (cylinder().held(Support::new("bottom", &[Axis::Y])).held(Support::new("top", &[Axis::Y])))
-                .contact("right", 0.0, [Obstacle::plane(-to)]);
+            let plate =
+                cylinder().with_support(Support::new("bottom", &[Axis::Y])).contact("top", 0.0, [Obstacle::plane(-to)]);
+            let tube = (cylinder()
+                .with_support(Support::new("bottom", &[Axis::Y]))
+                .with_support(Support::new("top", &[Axis::Y])))
+            .contact("right", 0.0, [Obstacle::plane(-to)]);
             // Beside a hole the tube's pressure is not uniform in the body, but on the tube it is.
             let (a, b) = (inner, inner + 0.2);
             let lame = young * to / b * (b * b - a * a) / ((1.0 + nu) * ((1.0 - 2.0 * nu) * b * b + a * a));
@@ -211,8 +214,8 @@ fn shrink_fit() {
             ..Obstacle::plane(-by)
         };
         let mut body = ring(a, [b - a, h], [n, n], cells, Material::new(young, nu))
-            .held(Support::new("bottom", &[Axis::Y]))
-            .held(Support::new("top", &[Axis::Y]))
+            .with_support(Support::new("bottom", &[Axis::Y]))
+            .with_support(Support::new("top", &[Axis::Y]))
             .contact("left", mu, [drawn]);
         body.times = vec![1.0, 2.0];
         let found = solved(&body);

@@ -228,9 +228,9 @@ material = { young = 2e11, poisson = 0, plane = "stress" }
     let material = parsed(&bodies).description.material;
     let both = Description::new(MeshSource::Given(Arc::new(mesh)), material, vec![1.0])
         .support("thick:left", &[Axis::X, Axis::Y])
-        .held(Support::new("thin:left", &[Axis::X]))
+        .with_support(Support::new("thin:left", &[Axis::X]))
         .coupling(Coupling::rigid("ends", "ends"))
-        .held(Support::new("", &[]).of_coupling("ends", &[Axis::Z]))
+        .with_support(Support::new("", &[]).of_coupling("ends", &[Axis::Z]))
         .load(Load::from(stickslip::body::Action::Force { at: Where::Coupling("ends".into()), force: vec![6e5, 0.0] }));
     let model = Model::build(&both).unwrap();
     assert!(model.rigid_motions.is_empty(), "{:?}", model.rigid_motions);

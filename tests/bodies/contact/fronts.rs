@@ -32,7 +32,7 @@ fn an_obstacle_smaller_than_the_face_leaves_the_rest_open() {
     let (model, small) = belt("{ kind = \"cylinder\", radius = 0.3, apex = [0.5, 0] }");
     let places: Vec<f64> = model.contacts.iter().map(|contact| contact.position[0]).collect();
     assert_eq!(places, [0.25, 0.375, 0.5, 0.625, 0.75]);
-    assert_eq!(model.contact_boundaries[0].beyond, 4);
+    assert_eq!(model.contact_boundaries[0].unreached, 4);
     let left_out = EliminatedUnknown::all(&model, false, None);
     assert!(left_out.iter().any(|out| (out.count, out.unknown) == (4, "p_n") && out.reason.contains("ever reaches")));
     assert!(left_out.iter().all(|out| !out.reason.contains("along the normal")));
@@ -142,10 +142,10 @@ fn boundaries_that_share_nodes_are_one_contact() {
     assert_eq!((one.nodes.len(), two.nodes.len(), one.nodes[3], two.nodes[0]), (4, 6, 3, 3));
     assert_eq!(one.parts(&model.contacts).map(|(_, part)| part).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 0.5]);
 
-    let (rough, _) =
+    let (solved, _) =
         solved(&pushed(source).contact("one", 0.2, Obstacle::plane(0.0)).contact("two", 0.4, Obstacle::plane(0.0)));
-    assert_eq!(rough.problem.mu()[..3], [0.2; 3]);
-    assert!((rough.problem.mu()[3] - 0.3).abs() < 1e-15 && rough.problem.mu()[4..] == [0.4; 5]);
+    assert_eq!(solved.problem.mu()[..3], [0.2; 3]);
+    assert!((solved.problem.mu()[3] - 0.3).abs() < 1e-15 && solved.problem.mu()[4..] == [0.4; 5]);
 }
 
 /// On a shared node the obstacle that is nearer at first counts, whichever contact it is of.

@@ -118,7 +118,7 @@ fn what_turns_in_itself_has_no_bend() {
         let text =
             roller(0.7, &format!("{approach}, rotation = {{ through = {centre}, history = [[0, 0], [2, 1.0]] }}"));
         let model = model_of(&text);
-        assert_eq!(model.loading.bends().len(), bends, "{centre}");
+        assert_eq!(model.loading.gap_corrections().len(), bends, "{centre}");
     }
 }
 

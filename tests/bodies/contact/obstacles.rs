@@ -196,8 +196,8 @@ fn motions_of_a_plane_over_a_cube() {
     let obstacle = PlacedObstacle::new(&mesh, mesh.boundary("top").unwrap(), &given).unwrap();
     assert!((motion.smallest_gap(&obstacle, x, &facing, &[0.5, 2.0], |_| 0.0)).abs() < 1e-18);
     // Neither a plane that slides nor one that turns about its normal bends.
-    let bends = motion.bends(&obstacle, &[x], &[facing], &[0.0, 0.3, 1.0, 2.0]);
-    assert_eq!(bends, None);
+    let corrections = motion.corrections(&obstacle, &[x], &[facing], &[0.0, 0.3, 1.0, 2.0]);
+    assert_eq!(corrections, None);
     let quarter =
         Rotation { axis: Some(Z.into()), through: [0.5, 0.5, 0.0].into(), history: vec![[0.0, 0.0], [1.0, PI / 2.0]] };
     let turned = ObstacleMotion::new(&Obstacle { rotation: Some(quarter), ..given }, facing.normal, 2.0);

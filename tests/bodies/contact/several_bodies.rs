@@ -82,16 +82,16 @@ fn supports_of_one_body_leave_the_other_free() {
     );
     let all = rigid_motions(&mesh, &Dofs::new(&mesh, |_, _| false));
     let sum = |weights: [f64; 6]| RigidMotion::combination(&all, &weights).unwrap();
-    let told = |weights| (sum(weights).to_string(), sum(weights).against(&si(2)));
-    let (words, against) = told([0.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
+    let described = |weights| (sum(weights).to_string(), sum(weights).against(&si(2)));
+    let (words, against) = described([0.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
     assert_eq!(words, "`lower`: a translation along (0, 1); `upper`: a rotation about (1, 3.5) m");
     assert_eq!(against, format!("the bodies against {words}"));
-    let (words, against) = told([0.0, 1.0, 0.0, 1e-9, 0.0, 0.0]);
+    let (words, against) = described([0.0, 1.0, 0.0, 1e-9, 0.0, 0.0]);
     assert_eq!(
         (words.as_str(), against.as_str()),
         ("`lower`: a translation along (0, 1)", "`lower` against a translation along (0, 1)")
     );
-    assert_eq!(told([0.0, 1.0, 0.0, 0.0, 3.0, 0.0]).0, "`lower`, `upper`: a translation along (0, 1)");
+    assert_eq!(described([0.0, 1.0, 0.0, 0.0, 3.0, 0.0]).0, "`lower`, `upper`: a translation along (0, 1)");
     // One body alone is told as ever.
     let one = block(&[2.0, 1.0], &[4, 2]);
     let hinge = rigid_motions(&one, &Dofs::new(&one, |node, _| node == 2));

@@ -354,9 +354,9 @@ fn a_block_without_loads_is_free() {
     for method in ["bn", "ip", "events"] {
         for solver in SOLVERS {
             let report = run(text, &[&format!("solver.method=\"{method}\""), &format!("solver.linear=\"{solver}\"")]);
-            let told: Vec<_> =
+            let warnings: Vec<_> =
                 report.warnings.iter().filter(|warning| warning.kind == WarningKind::NotUnique).collect();
-            assert!(told.len() == 1 && told[0].message.contains("t = 2 s"), "{method} {solver}: {told:?}");
+            assert!(warnings.len() == 1 && warnings[0].message.contains("t = 2 s"), "{method} {solver}: {warnings:?}");
         }
     }
 }

@@ -179,7 +179,7 @@ fn stiffness_in_bending_is_not_called_incompressible() {
         let beam = beam.support("left", &[Axis::X, Axis::Y, Axis::Z]).load(Load::new("right", &[0.0, 0.0, -1e-6]));
         let model = Model::build(&beam).unwrap();
         let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
-        let told = report.warnings.iter().any(|warning| warning.message.contains(reason));
-        assert!(told, "{poisson}: {:?}", report.warnings);
+        let is_warned = report.warnings.iter().any(|warning| warning.message.contains(reason));
+        assert!(is_warned, "{poisson}: {:?}", report.warnings);
     }
 }

@@ -6,7 +6,7 @@ use stickslip::body::Balance;
 use stickslip::body::fem::cell_volume;
 
 /// A scene with every linear algebra of this build.
-fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording)) {
+fn each_way(text: &str, mut check: impl FnMut(&str, &Model, RunReport, &Recording)) {
     let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     for (name, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
@@ -14,7 +14,7 @@ fn each_way(text: &str, mut told: impl FnMut(&str, &Model, RunReport, &Recording
         let solver = SolverChoice { linear: Some(linear), ..scene.solver };
         let report = Run::of(&model, scene.time.all(), solver).unwrap().solve(&mut recording).unwrap();
         assert_eq!(report.status, Status::Converged, "{name}: {}", report.explanation.reason);
-        told(name, &model, report, &recording);
+        check(name, &model, report, &recording);
     }
 }
 
@@ -183,9 +183,9 @@ fn stresses_are_in_equilibrium() {
                     (0..3).for_each(|c| borne[whose][c] += force[c]);
                 }
                 let Balance { supports, springs, .. } = model.balance(t, &increment.state).unwrap();
-                for (told, found) in supports.iter().chain(&springs).zip(borne) {
-                    let off = norm(minus(told.force, found));
-                    assert!(off < 1e-10 * size, "{name}, {cells}: {:?} {found:?} of {size:e}", told.force);
+                for (reported, found) in supports.iter().chain(&springs).zip(borne) {
+                    let off = norm(minus(reported.force, found));
+                    assert!(off < 1e-10 * size, "{name}, {cells}: {:?} {found:?} of {size:e}", reported.force);
                 }
             }
         });

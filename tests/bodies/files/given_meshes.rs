@@ -31,10 +31,10 @@ fn a_mesh_from_arrays() {
 
 #[test]
 fn meshes_that_are_none() {
-    let sound = block(&[1.0, 1.0], &[2, 2]);
+    let mesh = block(&[1.0, 1.0], &[2, 2]);
     let new = |mesh: Mesh| Mesh::new(mesh.nodes, mesh.cells, mesh.groups, mesh.boundaries).unwrap_err();
     let with = |change: &dyn Fn(&mut Mesh)| {
-        let mut mesh = sound.clone();
+        let mut mesh = mesh.clone();
         change(&mut mesh);
         mesh
     };

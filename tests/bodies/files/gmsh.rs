@@ -68,7 +68,7 @@ fn refused(text: &str) -> MeshFileError {
 }
 
 /// Checks what is said of a text.
-fn told(text: &str, message: &str, help: &str) {
+fn assert_refused(text: &str, message: &str, help: &str) {
     let error = refused(text);
     assert!(error.to_string().starts_with("bad.msh:"), "{error}");
     says(&error, message, help);
@@ -100,7 +100,7 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         cut(&format!("${section}")) + &TRIANGLES[TRIANGLES.find(&end).unwrap() + end.len()..]
     };
     for [text, message, help] in rows(OTHER_FILES) {
-        told(&text, &message, &help);
+        assert_refused(&text, &message, &help);
     }
     for (text, message, help) in [
         (without("Entities"), "the file has no section $Entities", "whole mesh"),
@@ -109,10 +109,10 @@ fn what_is_no_such_file_is_refused_with_its_line() {
         (cut("$EndNodes"), "the file ends within $Nodes", "copy"),
         (cut("$EndElements"), "the file ends within $Elements", "copy"),
     ] {
-        told(&text, message, help);
+        assert_refused(&text, message, help);
     }
     for [from, to, message, help] in rows(OF_TRIANGLES) {
-        told(&edit(TRIANGLES, &from, &to), &message, &help);
+        assert_refused(&edit(TRIANGLES, &from, &to), &message, &help);
     }
     // The commands that help have to write a mesh: with `-save` Gmsh converts a mesh, but passes over `-2`.
     for other in ["1 0 8", "2.1 0 8", "4 1 8"] {
@@ -155,12 +155,12 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
     };
     for (base, table) in [(QUADS, UNSOUND_QUADS), (TRIANGLES, UNSOUND_TRIANGLES), (HEXAHEDRA, UNSOUND_HEXAHEDRA)] {
         for [from, to, message, help] in rows(table) {
-            told(&edit(base, &from, &to), &message, &help);
+            assert_refused(&edit(base, &from, &to), &message, &help);
         }
     }
     let pieces = more(QUADS, "16\n17\n18\n", "50 20 0\n50 30 0\n40 30 0\n", "19 15 16 17 18\n");
     let apart = "in 2 pieces that share no whole side, an element of each: 11, 19; two of them only touch at node 15";
-    told(&pieces, apart, "whole edges");
+    assert_refused(&pieces, apart, "whole edges");
     let hexahedra = HEXAHEDRA.replace("4 20 1 20", "4 21 1 21").replace("3 1 5 8\n", "3 1 5 9\n");
     let hexahedra = hexahedra.replace("$EndElements", "21 14 17 16 13 23 26 25 22\n$EndElements");
     for (text, pairs) in [
@@ -168,7 +168,7 @@ fn meshes_that_are_not_sound_are_refused_with_their_elements() {
         (more(QUADS, "", "", "19 3 8 7 2\n20 4 5 10 9\n"), "12 and 19, 14 and 20"),
         (hexahedra, "19 and 21"),
     ] {
-        told(&text, &format!("elements lie on one another, in pairs: {pairs}"), "twice");
+        assert_refused(&text, &format!("elements lie on one another, in pairs: {pairs}"), "twice");
     }
 }
 
@@ -401,7 +401,7 @@ fn a_stack_of_nodes() {
     );
     let mesh = from_gmsh("stack.msh", text.as_bytes(), 1.0).unwrap();
     let bodies = mesh.bodies();
-    assert_eq!((bodies.count(), bodies.told(1)), (n, "`body 2`".to_string()));
+    assert_eq!((bodies.count(), bodies.label(1)), (n, "`body 2`".to_string()));
     let touching = mesh.touching_nodes(&bodies);
     assert!(touching.len() == 3 * (n - 1) && touching.contains(&(0, 3)), "{touching:?}");
 }

@@ -38,7 +38,7 @@ fn bodies_are_joined_in_order() {
     assert!(facets(&mesh, "upper:top").into_iter().eq(facets(&upper, "top").into_iter().map(|node| node + n)));
     let bodies = mesh.bodies();
     assert_eq!((bodies.count(), bodies.names()), (2, &["lower".to_string(), "upper".to_string()][..]));
-    assert_eq!((bodies.told(0), bodies.told(1)), ("`lower`".to_string(), "`upper`".to_string()));
+    assert_eq!((bodies.label(0), bodies.label(1)), ("`lower`".to_string(), "`upper`".to_string()));
     assert!(bodies.nodes(0).eq(0..n) && bodies.nodes(1).eq(n..mesh.nodes.len()));
     assert!(bodies.cells(0).eq(0..6) && bodies.cells(1).eq(6..14));
     assert_eq!(two().nodes(), Some((mesh.nodes.len(), 2)));
@@ -46,7 +46,7 @@ fn bodies_are_joined_in_order() {
     // One body keeps its mesh, and messages call it as ever.
     let one = MeshSource::Bodies(vec![Body::new("beam", square(3))]).build().unwrap();
     assert_eq!((&one.nodes, &one.cells), (&lower.nodes, &lower.cells));
-    assert_eq!((one.bodies().told(0), one.bodies().names()[0].as_str()), ("the body".to_string(), "beam"));
+    assert_eq!((one.bodies().label(0), one.bodies().names()[0].as_str()), ("the body".to_string(), "beam"));
 }
 
 #[test]

@@ -71,7 +71,7 @@ motion.rotation = { through = [0.5, -5.001], history = [[0, 0], [1, 0.1]] }
     let of_text = model_of(&text);
     assert_equal(&of_text, &Model::build(&description).unwrap());
     assert_eq!(
-        (of_text.times(), of_text.loading.bends()[0].times()),
+        (of_text.times(), of_text.loading.gap_corrections()[0].times()),
         (&description.times[..], &[0.0, 0.5, 1.0, 1.5, 2.0][..])
     );
 }

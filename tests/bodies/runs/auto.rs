@@ -113,8 +113,8 @@ fn who_multigrid_is_for() {
     assert_eq!(of(&[small], Method::BN), (!built_in).then_some(Unsuited::NotBuiltIn));
     assert_eq!(of(&[small], Method::Ip), Some(Unsuited::Method));
     assert_eq!(of(&[small, "material.poisson=0.46"], Method::BN), Some(Unsuited::NearlyIncompressible(0.46)));
-    let told = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
-    assert_eq!(told, "the longest distance between corners of an element is 47 times the shortest");
+    let reason = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
+    assert_eq!(reason, "the longest distance between corners of an element is 47 times the shortest");
     assert_eq!(unsuited(&scene(&["mesh.elements=[3,3]"]).1, Method::BN.into()), Some(Unsuited::Plane));
 }
 

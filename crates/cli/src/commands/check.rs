@@ -28,7 +28,7 @@ use stickslip::scene::Scene;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::{Conditions, ProblemError, history, rigid_equilibrium_with};
 use stickslip_output::bytes_on_disk;
-use words::{listed, number, told, vector};
+use words::{listed, number, rounded, vector};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -113,14 +113,14 @@ fn body(scene: &Scene, model: &Model) {
     }
     let Material { young, poisson, plane, thickness, layers, groups, .. } = &scene.description.material;
     let thick =
-        thickness.map_or("unit thickness".to_string(), |t| format!("{} thick", told(&units, Quantity::Length, t)));
+        thickness.map_or("unit thickness".to_string(), |t| format!("{} thick", rounded(&units, Quantity::Length, t)));
     let state = match (model.mesh.dimension, plane.unwrap_or_default()) {
         (2, Plane::Strain) => format!("plane strain, {thick}"),
         (2, Plane::Stress) => format!("plane stress, {thick}"),
         (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around".to_string(),
         _ => "three dimensions".to_string(),
     };
-    let modulus = |young: f64| told(&units, Quantity::Stress, young);
+    let modulus = |young: f64| rounded(&units, Quantity::Stress, young);
     match &scene.description.mesh {
         MeshSource::Bodies(_) => say!("material     {state}"),
         _ => say!("material     E = {}, nu = {poisson}, {state}", modulus(*young)),
@@ -149,15 +149,15 @@ fn body(scene: &Scene, model: &Model) {
         let how = match pretension.tightening {
             Tightening::Force { space, plane } => {
                 let force = if model.mesh.dimension == 2 { plane } else { space };
-                format!("a force of {}", told(&units, Quantity::Force, force))
+                format!("a force of {}", rounded(&units, Quantity::Force, force))
             }
-            Tightening::Shortening(by) => format!("a shortening by {}", told(&units, Quantity::Length, by)),
+            Tightening::Shortening(by) => format!("a shortening by {}", rounded(&units, Quantity::Length, by)),
         };
         let lock = pretension.lock.map_or(String::new(), |lock| format!(", locked at t = {lock} s"));
         say!("pretension   {}: {how} across {}{lock}", pretension.name, pretension.boundary);
     }
     for support in &scene.description.supports {
-        say!("support      {}: {}", support.at.place(&units), holds(support, &units, scene.time.end));
+        say!("support      {}: {}", support.at.location(&units), holds(support, &units, scene.time.end));
     }
     for bed in &scene.description.springs {
         let stiffness = match bed {
@@ -169,18 +169,18 @@ fn body(scene: &Scene, model: &Model) {
                 format!("{} per rad", vector(&units, Quantity::Moment, rotational))
             }
             Bed::Surface { normal, tangential, .. } => {
-                let [normal, tangential] = [normal, tangential].map(|x| told(&units, Quantity::Foundation, *x));
+                let [normal, tangential] = [normal, tangential].map(|x| rounded(&units, Quantity::Foundation, *x));
                 format!("{normal} along the normal, {tangential} across")
             }
         };
-        say!("spring       {}: {stiffness}", bed.place(&units));
+        say!("spring       {}: {stiffness}", bed.location(&units));
     }
 }
 
 /// Prints how the meshes of opposing bodies match.
 fn pairs(model: &Model) {
     let units = model.units();
-    let length = |x: f64| told(&units, Quantity::Length, x);
+    let length = |x: f64| rounded(&units, Quantity::Length, x);
     for (pair, record) in model.pairs.iter().zip(PairRecord::all(model)) {
         let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
         let glued = if glued { ", glued" } else { "" };
@@ -223,15 +223,15 @@ fn contacts(scene: &Scene, model: &Model) {
             obstacle.extend(motions(model, given));
             let obstacle = obstacle.join(", ");
             if several {
-                let met = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
-                say!("             {obstacle}, met by {met} node{}", if met == 1 { "" } else { "s" });
+                let assigned = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
+                say!("             {obstacle}, met by {assigned} node{}", if assigned == 1 { "" } else { "s" });
             } else {
                 say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
             }
             say!("             {}", frame(model, placed, given.direction));
         }
-        if boundary.beyond > 0 {
-            say!("             {} nodes remain open because no obstacle ever reaches them", boundary.beyond);
+        if boundary.unreached > 0 {
+            say!("             {} nodes remain open because no obstacle ever reaches them", boundary.unreached);
         }
     }
     pairs(model);
@@ -242,7 +242,7 @@ fn contacts(scene: &Scene, model: &Model) {
         (n, t) => {
             say!("             {n} normal forces p_n");
             let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
-            let rest = match with(&|i| !layout.has_friction(i)) {
+            let frictionless = match with(&|i| !layout.has_friction(i)) {
                 0 => String::new(),
                 rest => format!("; {rest} nodes have no friction or cannot slide"),
             };
@@ -250,7 +250,7 @@ fn contacts(scene: &Scene, model: &Model) {
                 2 => "p_t".to_string(),
                 _ => format!("p_t and p_o; {} nodes slide in a plane", with(&|i| layout.slides_in_a_plane(i))),
             };
-            say!("             {t} tangential forces {along}{rest}");
+            say!("             {t} tangential forces {along}{frictionless}");
         }
     }
 }
@@ -265,7 +265,7 @@ fn loads(scene: &Scene, model: &Model) {
         };
         say!(
             "load         {}: {}{sum}; factor {}",
-            load.action.place(&units),
+            load.action.location(&units),
             acts(&load.action, &units),
             points(&load.factors(scene.time.end), |factor| factor[0].to_string())
         );
@@ -337,13 +337,13 @@ fn theorem(model: &Model) {
         say!(
             "{label:<12} (a) violated: {} moves no node towards an obstacle, so the loads must prevent it; or add a \
              support",
-            motion.told(&model.units())
+            motion.describe(&model.units())
         );
         label = "";
     }
     let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
     if let Some(&first) = nodes.first() {
-        let place = model.units().place(model.mesh.nodes[first]);
+        let place = model.units().point(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
@@ -373,7 +373,7 @@ fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
                 "NO BALANCE   first at t = {} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",
                 six_digits(time),
-                motion.told(&model.units())
+                motion.describe(&model.units())
             );
             return Ok(());
         }

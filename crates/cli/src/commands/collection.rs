@@ -11,7 +11,7 @@ use stickslip::run::report::thread_cpu_seconds;
 use stickslip_exchange::{ProblemFile, Way, solve_by};
 
 use super::progress::bar;
-use super::study::{StudyFolder, pretty, tell};
+use super::study::{StudyFolder, pretty, print_results};
 use super::{ExitStatus, Failure, interrupt};
 
 /// The name endings of exchange files.
@@ -66,7 +66,7 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
         let chart = profile.chart(&format!("Problems of {}", args.folder.display())).to_svg()?;
         Ok(FILES.into_iter().zip([collection.to_csv(), json.clone(), profile.to_csv(), chart]))
     };
-    tell(folder.as_ref(), args.json.then_some(&json), &text, contents)?;
+    print_results(folder.as_ref(), args.json.then_some(&json), &text, contents)?;
     let has = |verdict: Verdict| collection.rows.iter().any(|row| row.status == verdict);
     Ok(match () {
         () if has(Verdict::MachineFailure) => ExitStatus::MachineFailure,

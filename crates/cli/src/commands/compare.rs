@@ -1,7 +1,7 @@
 //! `stickslip compare`.
 
 use super::run::write_failure;
-use super::study::{StudyFolder, counted, tell};
+use super::study::{StudyFolder, counted, print_results};
 use super::{ExitStatus, Failure, Invocation, origin};
 use crate::compare::{self, CellFolder, Cells, CompareError, Comparison, Plan, SolverPath};
 use crate::study::{ElementChoice, MeshChoice, MeshSize};
@@ -83,11 +83,11 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
-    let kept = |StudyFolder { path, .. }: &StudyFolder<'_>| {
+    let open = |StudyFolder { path, .. }: &StudyFolder<'_>| {
         CellFolder::open(path, origin(&scene)?, args.resume).map_err(|error| write_failure(path, &error))
     };
-    let kept = folder.as_ref().map(kept).transpose()?;
-    let cells = kept.as_ref().map_or(&() as &dyn Cells, |kept| kept);
+    let store = folder.as_ref().map(open).transpose()?;
+    let cells = store.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.histories(), "histories");
     let comparison = compare::compute(&scene, &plan, cells, &mut progress).map_err(|error| match error {
@@ -100,15 +100,15 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
     let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
     let runs = comparison.runs_csv();
-    tell(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
-    if let (Some(folder), Some(cells)) = (&folder, &kept) {
+    print_results(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
+    if let (Some(folder), Some(cells)) = (&folder, &store) {
         cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }
     let runs =
         comparison.runs.iter().filter(|run| !run.path.method.increments().is_of_paper()).map(|run| run.course.status);
     let mut statuses = runs.chain(comparison.meshes.iter().map(|result| result.status));
-    let sound = statuses.all(|status| status == Status::Converged);
-    Ok(if sound { ExitStatus::Success } else { ExitStatus::NotConverged })
+    let all_converged = statuses.all(|status| status == Status::Converged);
+    Ok(if all_converged { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 /// Returns the linear solvers to compare.

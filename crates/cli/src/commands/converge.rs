@@ -9,7 +9,7 @@ use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
 
-use super::study::{StudyFolder, counted, pretty, tell};
+use super::study::{StudyFolder, counted, pretty, print_results};
 use super::{ExitStatus, Failure, interrupt};
 
 #[derive(Args)]
@@ -89,11 +89,11 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     let json = pretty(&study.told())?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
-    let finer = finer(&scene).filter(|_| study.ended.verdict == Verdict::NoFinerMesh);
+    let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);
     text.extend(finer.map(|(command, _)| format!("             {command}")));
     let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
-    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
-    Ok(if study.ended.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
+    print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    Ok(if study.result.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {

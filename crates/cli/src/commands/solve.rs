@@ -76,7 +76,7 @@ pub(super) fn solve_file(args: &SolveArgs) -> Result<ExitStatus, Failure> {
         file.solution = Some(solution);
         write(path, &file)?;
     }
-    tell(&report, args.json)?;
+    print_report(&report, args.json)?;
     if let (Some(path), false) = (&args.out, args.json) {
         say!("results      {}", path.display());
     }
@@ -102,7 +102,7 @@ pub(super) fn judge_file(args: &JudgeArgs) -> Result<ExitStatus, Failure> {
         head(&name, &file);
     }
     let report = ProblemReport::judged(&name, &file, errors);
-    tell(&report, args.json)?;
+    print_report(&report, args.json)?;
     Ok(status(report.status))
 }
 
@@ -122,7 +122,7 @@ fn head(name: &str, file: &ProblemFile) {
     }
 }
 
-fn tell(report: &ProblemReport, json: bool) -> Result<(), Failure> {
+fn print_report(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     if json {
         say!("{}", pretty(report)?);
         return Ok(());

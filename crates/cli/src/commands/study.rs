@@ -25,17 +25,17 @@ impl From<PlotError> for Failure {
 /// The folder of the files of a study, locked against other commands as long as this value exists.
 pub(super) struct StudyFolder<'a> {
     pub path: &'a Path,
-    _alone: FolderLock,
+    _lock: FolderLock,
 }
 
 impl<'a> StudyFolder<'a> {
     /// Takes the folder `out`, if any, for `files`. The first one is a table, whose first line contains `columns`.
     pub(super) fn open(out: Option<&'a Path>, files: &[&str], columns: &str) -> Result<Option<Self>, Failure> {
         let open = |path: &'a Path| {
-            let alone = FolderLock::new(path, files, columns).map_err(|error| write_failure(path, &error))?;
+            let lock = FolderLock::new(path, files, columns).map_err(|error| write_failure(path, &error))?;
             match files.iter().map(|name| path.join(name)).find(|file| file.is_dir()) {
                 Some(file) => Err(write_failure(&file, &io::ErrorKind::IsADirectory.into())),
-                None => Ok(StudyFolder { path, _alone: alone }),
+                None => Ok(StudyFolder { path, _lock: lock }),
             }
         };
         out.map(open).transpose()
@@ -44,7 +44,7 @@ impl<'a> StudyFolder<'a> {
 
 /// Prints the results of a study, as `data` alone or else as text, and writes its files, names and contents, if it has a
 /// folder.
-pub(super) fn tell<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
+pub(super) fn print_results<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
     folder: Option<&StudyFolder<'_>>,
     data: Option<&str>,
     text: &str,
@@ -69,10 +69,10 @@ pub(super) fn pretty(results: &impl Serialize) -> Result<String, Failure> {
 pub(super) fn counted(length: usize, unit: &str) -> (ProgressBar, impl FnMut(String) + Send) {
     let bar = bar(length, unit);
     let (shown, mut begun) = (bar.clone(), 0);
-    let tell = move |what: String| {
+    let advance = move |what: String| {
         shown.set_position(begun);
         shown.set_message(what);
         begun += 1;
     };
-    (bar, tell)
+    (bar, advance)
 }

@@ -6,14 +6,14 @@ use std::fs;
 use std::path::PathBuf;
 
 use crate::study::{Places, TableQuantity, quantities};
-use crate::sweep::{Row, Shown, Sweep, Variant, VariantResult, Variation, combinations};
+use crate::sweep::{Row, Sweep, TableQuantities, Variant, VariantResult, Variation, combinations};
 use clap::Args;
 use stickslip::algebra::parallel_map;
 use stickslip::scene::{Override, Scene};
 
 use super::progress::bar;
 use super::run::{increments, write_failure};
-use super::study::{StudyFolder, pretty, tell};
+use super::study::{StudyFolder, pretty, print_results};
 use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::Processes;
 
@@ -49,11 +49,11 @@ pub(super) struct SweepArgs {
 }
 
 /// Returns the quantities of table and chart, checked against the places of the scenes.
-fn shown(args: &SweepArgs, places: &Places) -> Result<Shown, Failure> {
+fn shown(args: &SweepArgs, places: &Places) -> Result<TableQuantities, Failure> {
     let all = |text: &String| quantities(text)?.iter().map(|quantity| quantity.at(places, false)).collect();
     let refused = |option: &str, error: String| Failure::Input(miette::miette!("--{option}: {error}"));
     let plot = args.plot.as_ref().map(|quantity| quantity.at(places, true));
-    Ok(Shown {
+    Ok(TableQuantities {
         table: args.table.as_ref().map(all).transpose().map_err(|error| refused("table", error))?,
         plot: plot.transpose().map_err(|error| refused("plot", error))?,
     })
@@ -106,15 +106,15 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         quantities: &shown.all(),
     };
     processes.tidy();
-    let kept: Vec<Option<VariantResult>> = tasks.iter().map(|task| processes.kept(task)).collect();
-    let done = kept.iter().flatten().count();
+    let stored: Vec<Option<VariantResult>> = tasks.iter().map(|task| processes.stored(task)).collect();
+    let done = stored.iter().flatten().count();
     if !args.json {
-        let kept = if done == 0 { String::new() } else { format!(", {done} of them already complete") };
-        say!("{}\nvariants     {}{kept}", first.title, tasks.len());
+        let complete = if done == 0 { String::new() } else { format!(", {done} of them already complete") };
+        say!("{}\nvariants     {}{complete}", first.title, tasks.len());
     }
     let bar = bar(tasks.len() - done, "variants");
-    let row = |(task, kept): &(&Task, Option<VariantResult>)| {
-        let outcome = if let Some(kept) = kept {
+    let row = |(task, stored): &(&Task, Option<VariantResult>)| {
+        let outcome = if let Some(kept) = stored {
             Some(kept.clone())
         } else {
             // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
@@ -130,7 +130,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
             outcome: outcome.unwrap_or_else(|| VariantResult::failed("interrupted", "")),
         })
     };
-    let rows = parallel_map(&tasks.iter().zip(kept).collect::<Vec<_>>(), jobs, row);
+    let rows = parallel_map(&tasks.iter().zip(stored).collect::<Vec<_>>(), jobs, row);
     bar.finish_and_clear();
     let sweep =
         Sweep::new(&first, args.variations.clone(), shown, rows.map_err(|error: std::io::Error| failed(error))?);
@@ -144,7 +144,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         let page = sweep.to_html(&chart);
         Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart.to_svg()?, page]))
     };
-    tell(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
     Ok(match () {
         () if outcomes().all(VariantResult::is_converged) => ExitStatus::Success,

@@ -56,12 +56,12 @@ pub(super) fn of_this_rank(count: usize) -> usize {
 /// Returns the number of MPI processes on this machine, from the variables of the launchers (Open MPI's mpirun,
 /// MPICH's, Slurm's); otherwise the number of all processes.
 fn ranks_here() -> usize {
-    let told = |name: &&str| std::env::var(name).ok()?.parse().ok().filter(|count| *count > 0);
+    let count_of = |name: &&str| std::env::var(name).ok()?.parse().ok().filter(|count| *count > 0);
     let all = stickslip::algebra::linear::rank_count();
     if all == 1 {
         return 1;
     }
-    ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"].iter().find_map(told).unwrap_or(all)
+    ["OMPI_COMM_WORLD_LOCAL_SIZE", "MPI_LOCALNRANKS", "SLURM_NTASKS_PER_NODE"].iter().find_map(count_of).unwrap_or(all)
 }
 
 #[cfg(feature = "blas")]

@@ -16,9 +16,9 @@ pub(super) fn explain(critical: &CriticalFriction, mu: &[f64]) -> String {
         return "rates are unique for the present contact statuses, however large the friction".to_string();
     }
     // If all friction coefficients are equal, the critical coefficient is clearer than the factor.
-    let mut rough = mu.iter().filter(|mu| **mu > 0.0);
-    let coefficient = match rough.next() {
-        Some(first) if rough.all(|mu| mu == first) => format!(" (mu {:.3})", factor * first),
+    let mut frictional = mu.iter().filter(|mu| **mu > 0.0);
+    let coefficient = match frictional.next() {
+        Some(first) if frictional.all(|mu| mu == first) => format!(" (mu {:.3})", factor * first),
         _ => String::new(),
     };
     let times = format!("{factor:.3} times this friction for the present contact statuses{coefficient}");

@@ -22,7 +22,7 @@ fn has_exact_path(model: &Model) -> bool {
     let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
     let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
     let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
-    straight && apart && unloaded && loading.bends().is_empty() && loading.friction().is_none()
+    straight && apart && unloaded && loading.gap_corrections().is_empty() && loading.friction().is_none()
 }
 
 /// A scene on one mesh, with its reference.
@@ -53,11 +53,11 @@ impl Study {
             expect_exact_path(&scene, &model)?;
         }
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
-        let reference = Solved::or_kept(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
+        let reference = Solved::stored_or(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
             solve_reference(&scene, &model, built, reference)
         })?;
-        let seen = reference.seen.and_then(|seen| seen.of(&model));
-        let estimates = seen.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
+        let watch = reference.seen.and_then(|seen| seen.of(&model));
+        let estimates = watch.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
         let result = MeshResult {
             mesh,
             displacements: model.problem.displacements(),
@@ -76,14 +76,14 @@ impl Study {
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
         let Study { scene, model, built, result } = self;
         let mesh = &result.mesh;
-        let solved = Solved::or_kept(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
+        let solved = Solved::stored_or(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
             solve(scene, model, *built, path.solver(&scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
-        let sound = solved.course.status == Status::Converged && result.status == Status::Converged;
+        let converged = solved.course.status == Status::Converged && result.status == Status::Converged;
         let errors = || TimeErrors::new(&end, &result.end, model.problem.weight().unwrap_or_default());
         let course = solved.course;
-        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: sound.then(errors) })
+        Ok(Trial { path, mesh: mesh.clone(), increments, course, errors: converged.then(errors) })
     }
 }
 
@@ -124,9 +124,9 @@ fn solve(
     let linear = &outcome.linear;
     let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
     let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
-    let rest = wall - analysis - assembly - factor - solve;
+    let other = wall - analysis - assembly - factor - solve;
     let [wall, cpu] = [built[0] + wall, built[1] + cpu];
-    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest };
+    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest: other };
     let records = &outcome.records;
     let course = Course {
         status: outcome.status,
@@ -140,8 +140,8 @@ fn solve(
         iterates: recorder.iterates,
     };
     let work = records.iter().map(|record| record.friction_work).sum();
-    let seen = recorder.last.map(|last| last.watch);
-    Ok(Solved { increments, course, state: outcome.state, work, seen })
+    let watch = recorder.last.map(|last| last.watch);
+    Ok(Solved { increments, course, state: outcome.state, work, seen: watch })
 }
 
 impl SolverPath {
@@ -199,7 +199,7 @@ impl Observer for Recorder<'_> {
         if let Some(LastIncrement { model, end, watch }) = &mut self.last
             && end.is_some_and(|end| step.record.time >= end)
         {
-            watch.see(model, step);
+            watch.observe(model, step);
         }
         ControlFlow::Continue(())
     }
@@ -228,6 +228,6 @@ mod tests {
         )
         .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.bends()[0].times(), ends);
+        assert_eq!(study.model.loading.gap_corrections()[0].times(), ends);
     }
 }

@@ -13,7 +13,7 @@ use stickslip_output::write_file;
 /// threads.
 pub trait Cells: Sync {
     /// Returns the history stored under this name, which is unique within the scene.
-    fn kept(&self, _name: &str) -> Option<Checkpoint> {
+    fn stored(&self, _name: &str) -> Option<Checkpoint> {
         None
     }
     /// Stores a history.
@@ -48,7 +48,7 @@ impl CellFolder {
 }
 
 impl Cells for CellFolder {
-    fn kept(&self, name: &str) -> Option<Checkpoint> {
+    fn stored(&self, name: &str) -> Option<Checkpoint> {
         let bytes = fs::read(self.path.join(self.origin.fingerprint_of(name))).ok()?;
         Checkpoint::from_bytes(&bytes).ok()
     }
@@ -76,14 +76,14 @@ pub(super) struct Solved {
 
 impl Solved {
     /// Returns the history of this name from the store, or solves and stores it.
-    pub(super) fn or_kept<E>(
+    pub(super) fn stored_or<E>(
         cells: &dyn Cells,
         name: &str,
         problem: &ContactProblem,
         solve: impl FnOnce() -> Result<Self, E>,
     ) -> Result<Self, E> {
-        let kept = cells.kept(name).and_then(|kept| kept.part::<Solved>(0).ok());
-        if let Some(kept) = kept.filter(|kept| kept.state.check(problem).is_ok()) {
+        let stored = cells.stored(name).and_then(|kept| kept.part::<Solved>(0).ok());
+        if let Some(kept) = stored.filter(|stored| stored.state.check(problem).is_ok()) {
             return Ok(kept);
         }
         let solved = solve()?;

@@ -70,11 +70,11 @@ impl Tractions {
         let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
         for boundary in &model.contact_boundaries {
-            let places: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+            let index_of: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
                 // A node is no contact node if supports constrain its normal displacement or no obstacle is in reach.
-                let Some(corners) = facet.iter().map(|node| places.get(node).copied()).collect::<Option<Vec<_>>>()
+                let Some(corners) = facet.iter().map(|node| index_of.get(node).copied()).collect::<Option<Vec<_>>>()
                 else {
                     continue;
                 };
@@ -148,18 +148,18 @@ impl Tractions {
 /// Returns the weights of the corners at the point of a segment or triangle near `x`, which is the nearest point if `x`
 /// projects into it, and its distance from `x`.
 fn share(corners: &[[f64; 3]], x: [f64; 3]) -> (Vec<f64>, f64) {
-    let reach = minus(x, corners[0]);
+    let from_corner = minus(x, corners[0]);
     let mut shares = match corners[1..] {
         [b, c] => {
             let (b, c) = (minus(b, corners[0]), minus(c, corners[0]));
-            let (bb, bc, cc, rb, rc) = (dot(b, b), dot(b, c), dot(c, c), dot(reach, b), dot(reach, c));
+            let (bb, bc, cc, rb, rc) = (dot(b, b), dot(b, c), dot(c, c), dot(from_corner, b), dot(from_corner, c));
             let area = bb * cc - bc * bc;
             let [s, t] = [(rb * cc - rc * bc) / area, (rc * bb - rb * bc) / area];
             vec![1.0 - s - t, s, t]
         }
         [b, ..] => {
             let b = minus(b, corners[0]);
-            let s = dot(reach, b) / dot(b, b);
+            let s = dot(from_corner, b) / dot(b, b);
             vec![1.0 - s, s]
         }
         [] => vec![1.0],
@@ -207,9 +207,9 @@ mod tests {
     fn a_surface_is_compared_inside_its_rim() {
         let (coarse, mut fine) = (square(6), square(9));
         let within = coarse.interior();
-        let held = coarse.nodes.iter().filter(|node| within.holds(node.position)).count();
+        let count = coarse.nodes.iter().filter(|node| within.holds(node.position)).count();
         // Of 7 × 7 nodes, the middle 3 × 3 remain.
-        assert_eq!(held, 9);
+        assert_eq!(count, 9);
         assert!(coarse.distance(&fine, &within) < 1e-14);
         // Linear tractions are reproduced exactly at the finer nodes. An error at the rim has no influence.
         for node in &mut fine.nodes {

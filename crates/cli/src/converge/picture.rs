@@ -13,19 +13,19 @@ impl Convergence {
         let quantity = self.sought.of.quantity();
         let units = self.units_for_people();
         let value = |x: f64| units.of_si(quantity, x);
-        let finest = self.ended.steps.iter().map(size).fold(f64::INFINITY, f64::min);
-        let coarsest = self.ended.steps.iter().map(size).fold(0.0, f64::max);
-        let mut levels: Vec<usize> = self.ended.steps.iter().map(|step| step.increments).collect();
+        let finest = self.result.steps.iter().map(size).fold(f64::INFINITY, f64::min);
+        let coarsest = self.result.steps.iter().map(size).fold(0.0, f64::max);
+        let mut levels: Vec<usize> = self.result.steps.iter().map(|step| step.increments).collect();
         levels.sort_unstable();
         levels.dedup();
         let follows_path = levels.len() > 1;
         let of_level = |(k, increments): (usize, usize)| {
-            let of_level = self.ended.steps.iter().filter(|step| step.increments == increments);
+            let of_level = self.result.steps.iter().filter(|step| step.increments == increments);
             let points = of_level.filter_map(|step| Some([size(step) / finest, value(step.value?)])).collect();
             curve(k, if follows_path { format!("{increments} increments") } else { "runs".to_string() }, points)
         };
         let mut curves: Vec<Curve> = levels.into_iter().enumerate().map(of_level).collect();
-        if let (Some(errors), true) = (&self.ended.errors, self.has_limit()) {
+        if let (Some(errors), true) = (&self.result.errors, self.has_limit()) {
             let level = |label: &str, y: f64, dash| Curve {
                 label: label.to_string(),
                 points: vec![[0.0, value(y)], [coarsest / finest, value(y)]],

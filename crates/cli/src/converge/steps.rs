@@ -109,7 +109,7 @@ impl Errors {
 
 /// The end of a study.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Ended {
+pub struct StudyResult {
     /// The verdict.
     pub verdict: Verdict,
     /// The reason why a run or the study ended early; empty otherwise.
@@ -178,7 +178,7 @@ pub(super) fn refine(
     limits: Limits,
     may_be_singular: bool,
     solve: &mut Solve<'_>,
-) -> Result<Ended, ConvergeError> {
+) -> Result<StudyResult, ConvergeError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
     let mut steps: Vec<Step> = Vec::new();
@@ -223,7 +223,7 @@ pub(super) fn refine(
         }
     };
     let errors = errors(&steps);
-    Ok(Ended { verdict, reason, steps, errors, predicted })
+    Ok(StudyResult { verdict, reason, steps, errors, predicted })
 }
 
 /// Returns the errors of the last run; `None` without a value.
@@ -318,7 +318,7 @@ mod tests {
     use stickslip::scene::Scene;
 
     /// Refines a manufactured value of the element size h and the length of increments k, both halved each time.
-    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> Ended {
+    fn study(to: f64, value: impl Fn(f64, f64) -> f64, more: impl Fn(&mut Step, f64)) -> StudyResult {
         let text = include_str!("../../../../data/scenes/block.toml");
         let overrides = ["mesh.elements=[8,8]".parse().unwrap(), "time.increments=8".parse().unwrap()];
         let ladder = Ladder::new(&Scene::parse("block.toml", text, &overrides).unwrap(), &[], 2.0).unwrap();
@@ -347,14 +347,14 @@ mod tests {
     #[test]
     fn both_errors_are_found() {
         for (p, c, d) in [(1.0, 0.1, 0.01), (2.0, 0.3, 0.2), (1.0, 0.01, 0.4), (0.5, 0.02, -0.1), (1.5, 0.2, 0.0)] {
-            let ended = study(0.02, |h, k| 5.0 * (1.0 + c * h.powf(p) + d * k), |_, _| ());
-            assert_eq!(ended.verdict, Verdict::Known, "{p} {c} {d}: {ended:?}");
-            let errors = ended.errors.unwrap();
+            let result = study(0.02, |h, k| 5.0 * (1.0 + c * h.powf(p) + d * k), |_, _| ());
+            assert_eq!(result.verdict, Verdict::Known, "{p} {c} {d}: {result:?}");
+            let errors = result.errors.unwrap();
             let truth = (errors.value / 5.0 - 1.0).abs();
-            let told = errors.total().unwrap();
-            assert!(told <= 0.02 && truth <= told, "{p} {c} {d}: {truth} {told}");
+            let total = errors.total().unwrap();
+            assert!(total <= 0.02 && truth <= total, "{p} {c} {d}: {truth} {total}");
             // Errors of opposite signs cancel in the value, but not in the uncertainty.
-            assert!(c * d < 0.0 || told < 3.0 * truth, "{p} {c} {d}: {truth} {told}");
+            assert!(c * d < 0.0 || total < 3.0 * truth, "{p} {c} {d}: {truth} {total}");
             let mesh = errors.mesh.unwrap();
             assert!((mesh.order.unwrap() - p).abs() < 0.01, "{mesh:?}");
         }
@@ -362,24 +362,24 @@ mod tests {
 
     #[test]
     fn without_a_path_only_the_mesh_is_refined() {
-        let ended = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);
-        let increments: Vec<usize> = ended.steps.iter().map(|step| step.increments).collect();
-        assert_eq!((ended.verdict, increments), (Verdict::Known, vec![4; 3]));
-        assert_eq!(ended.errors.unwrap().increments, None);
+        let result = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);
+        let increments: Vec<usize> = result.steps.iter().map(|step| step.increments).collect();
+        assert_eq!((result.verdict, increments), (Verdict::Known, vec![4; 3]));
+        assert_eq!(result.errors.unwrap().increments, None);
     }
 
     /// Four meshes show a singular peak, three if the run sees it as well.
     #[test]
     fn singular_peaks_end_the_study() {
         for (seen, meshes) in [(false, 4), (true, 3)] {
-            let ended = study(0.02, |h, _| h.powf(-0.5), |run, _| run.doubt = seen.then_some(Verdict::Singular));
-            assert_eq!(ended.verdict, Verdict::Singular, "{ended:?}");
-            assert_eq!(ended.steps.last().unwrap().level + 1, meshes);
+            let result = study(0.02, |h, _| h.powf(-0.5), |run, _| run.doubt = seen.then_some(Verdict::Singular));
+            assert_eq!(result.verdict, Verdict::Singular, "{result:?}");
+            assert_eq!(result.steps.last().unwrap().level + 1, meshes);
         }
         // Elements of second order: up and down.
         let erratic = |h: f64, _: f64| if (1.0 / h).log2() as i32 % 2 == 0 { 370.0 } else { 3250.0 } / h.sqrt();
-        let ended = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
-        assert_eq!((ended.verdict, ended.steps.last().unwrap().level), (Verdict::Singular, 4));
+        let result = study(0.02, erratic, |run, h| run.is_resolved = (1.0 / h).log2() as i32 % 2 == 0);
+        assert_eq!((result.verdict, result.steps.last().unwrap().level), (Verdict::Singular, 4));
         // A contact of one node on all meshes.
         let narrow = study(0.02, |h, _| 1.0 / h, |run, _| run.is_resolved = false);
         assert_eq!(narrow.verdict, Verdict::RunLimit);
@@ -392,25 +392,25 @@ mod tests {
     fn coarse_meshes_and_failed_runs_do_not_count() {
         // Two meshes with garbage are left out.
         let value = |h: f64, _: f64| if h > 0.4 { 100.0 * h } else { 1.0 + 0.1 * h };
-        let ended = study(0.02, value, |run, h| run.is_resolved = h < 0.4);
-        assert_eq!(ended.verdict, Verdict::Known);
-        assert!((ended.errors.unwrap().extrapolated() - 1.0).abs() < 1e-6);
-        let ended = study(
+        let result = study(0.02, value, |run, h| run.is_resolved = h < 0.4);
+        assert_eq!(result.verdict, Verdict::Known);
+        assert!((result.errors.unwrap().extrapolated() - 1.0).abs() < 1e-6);
+        let result = study(
             0.02,
             |h, _| 1.0 + h,
             |run, h| {
                 run.failure = (h < 0.6).then(|| (Verdict::NotConverged, "no equilibrium".into()));
             },
         );
-        assert_eq!((ended.verdict, ended.steps.len()), (Verdict::NotConverged, 2));
+        assert_eq!((result.verdict, result.steps.len()), (Verdict::NotConverged, 2));
     }
 
     #[test]
     fn limits_end_the_study() {
         let slow = |h: f64, _: f64| 1.0 + h.sqrt();
         assert_eq!(study(1e-6, slow, |_, _| ()).verdict, Verdict::RunLimit);
-        let ended = study(1e-6, slow, |run, h| run.seconds = 1e6 / (h * h));
-        assert_eq!(ended.verdict, Verdict::TimeLimit);
-        assert!(ended.predicted.unwrap() > 1e9);
+        let result = study(1e-6, slow, |run, h| run.seconds = 1e6 / (h * h));
+        assert_eq!(result.verdict, Verdict::TimeLimit);
+        assert!(result.predicted.unwrap() > 1e9);
     }
 }

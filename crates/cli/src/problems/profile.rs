@@ -29,24 +29,24 @@ pub struct Profile {
 impl Profile {
     /// Adds the time of `solver` for `problem`, s; `None` if not solved.
     pub fn add(&mut self, solver: &str, problem: &str, seconds: Option<f64>) {
-        let place = self.solvers.iter().position(|known| known == solver).unwrap_or_else(|| {
+        let index = self.solvers.iter().position(|known| known == solver).unwrap_or_else(|| {
             self.solvers.push(solver.to_string());
             self.solvers.len() - 1
         });
         let times = self.times.entry(problem.to_string()).or_default();
-        times.resize(times.len().max(place + 1), None);
-        times[place] = seconds.map(|seconds| seconds.max(LEAST));
+        times.resize(times.len().max(index + 1), None);
+        times[index] = seconds.map(|seconds| seconds.max(LEAST));
     }
 
     /// Returns for each solver the points `[τ, ρ(τ)]` at which its share increases, from τ = 1 on.
     pub fn curves(&self) -> Vec<(&str, Vec<[f64; 2]>)> {
         let all = self.times.len().max(1) as f64;
-        let alone = self.solvers.len() < 2;
-        let points = |place: usize| {
+        let is_single = self.solvers.len() < 2;
+        let points = |index: usize| {
             let ratio = |times: &Vec<Option<f64>>| {
-                let own = times.get(place).copied().flatten()?;
+                let own = times.get(index).copied().flatten()?;
                 let best = times.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-                Some(if alone { own } else { own / best })
+                Some(if is_single { own } else { own / best })
             };
             let mut ratios: Vec<f64> = self.times.values().filter_map(ratio).collect();
             ratios.sort_by(f64::total_cmp);

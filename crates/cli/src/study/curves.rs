@@ -1,13 +1,13 @@
 //! The curves of charts.
 
-use stickslip_output::{Curve, Dash, Line, told_apart};
+use stickslip_output::{Curve, Dash, Line, curve_style};
 
 /// The lines of curves that have no marker.
 pub(crate) const DASHES: [Dash; 4] = [Dash::Solid, Dash::Dashed, Dash::Dotted, Dash::DashDotted];
 
 /// Returns curve `k` of many, which has a colour, a marker and a line of its own.
 pub(crate) fn curve(k: usize, label: String, points: Vec<[f64; 2]>) -> Curve {
-    let (colour, marker) = told_apart(k);
+    let (colour, marker) = curve_style(k);
     let line = Some(Line { dash: DASHES[k / 4 % DASHES.len()], width: 1.8 });
     Curve { label, points, line, marker: Some(marker), colour }
 }

@@ -100,9 +100,9 @@ impl FromStr for ElementChoice {
             T::deserialize(text.into_deserializer())
         }
         if let Some((cells, element)) = text.split_once(':') {
-            let told = |error: serde::de::value::Error| error.to_string();
-            let cells = Some(named(cells).map_err(told)?);
-            return Ok(ElementChoice { cells, element: named(element).map_err(told)? });
+            let message = |error: serde::de::value::Error| error.to_string();
+            let cells = Some(named(cells).map_err(message)?);
+            return Ok(ElementChoice { cells, element: named(element).map_err(message)? });
         }
         if let Ok(element) = named(text) {
             return Ok(ElementChoice { cells: None, element });

@@ -23,9 +23,9 @@ impl Places {
         };
         let places: [Vec<String>; 6] = [
             description.contacts.iter().flat_map(sides).collect(),
-            description.supports.iter().map(|support| support.at.place(&units)).collect(),
-            description.springs.iter().map(|spring| spring.place(&units)).collect(),
-            description.loads.iter().map(|load| load.action.place(&units)).collect(),
+            description.supports.iter().map(|support| support.at.location(&units)).collect(),
+            description.springs.iter().map(|spring| spring.location(&units)).collect(),
+            description.loads.iter().map(|load| load.action.location(&units)).collect(),
             description.couplings.iter().map(|coupling| coupling.name.clone()).collect(),
             description.pretensions.iter().map(|pretension| pretension.name.clone()).collect(),
         ];

@@ -16,7 +16,7 @@ pub struct VariantResult {
     pub scene_text: Option<String>,
     /// The values for tables, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
     /// `largest_pressure`, `warnings`, `boundaries`, and the `quantities` of table and chart, as far as the run has them.
-    pub told: Value,
+    pub values: Value,
 }
 
 impl VariantResult {
@@ -45,7 +45,7 @@ impl VariantResult {
         let errors = laws.and_then(|laws| laws.values().map(Value::as_f64).collect::<Option<Vec<f64>>>());
         let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
         let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(report)));
-        let told = json!({
+        let values = json!({
             "status": status,
             "reason": text("help").map_or(reason.to_string(), |help| format!("{reason}; {help}")),
             "converged": converged,
@@ -57,27 +57,27 @@ impl VariantResult {
             "boundaries": list("boundaries"),
             "quantities": values.collect::<Map<_, _>>(),
         });
-        VariantResult { status: status.to_string(), scene_text: text("scene_text").map(String::from), told }
+        VariantResult { status: status.to_string(), scene_text: text("scene_text").map(String::from), values }
     }
 
     /// Returns the value of a quantity.
     pub fn value(&self, quantity: &TableQuantity) -> &Value {
-        &self.told["quantities"][quantity.text()]
+        &self.values["quantities"][quantity.text()]
     }
 
     /// Returns the kinds of the warnings of the run.
     pub fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.told["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str)
+        self.values["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str)
     }
 
     /// Returns the resultants on the obstacles at the end of the last converged increment.
     pub(super) fn boundaries(&self) -> impl Iterator<Item = &Value> {
-        self.told["boundaries"].as_array().into_iter().flatten()
+        self.values["boundaries"].as_array().into_iter().flatten()
     }
 
     /// Returns the reason why the run ended early; empty if it did not.
     pub fn reason(&self) -> &str {
-        self.told["reason"].as_str().unwrap_or_default()
+        self.values["reason"].as_str().unwrap_or_default()
     }
 
     /// Returns `true` if all increments converged.

@@ -22,17 +22,17 @@ impl Sweep {
             None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
         };
         let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
-        let place = |row: &Row| {
+        let position = |row: &Row| {
             let value = row.values.get(along)?;
             if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
-        let pressed = self.variants.iter().any(|row| !row.outcome.told["largest_pressure"].is_null());
+        let pressed = self.variants.iter().any(|row| !row.outcome.values["largest_pressure"].is_null());
         let pressure: Option<TableQuantity> = "largest_pressure.pressure".parse().ok().filter(|_| pressed);
-        let height = |row: &Row| match (&self.plotted, &pressure, &row.outcome.told["largest_pressure"]) {
+        let height = |row: &Row| match (&self.plotted, &pressure, &row.outcome.values["largest_pressure"]) {
             (Some(quantity), _, _) => self.in_pictures(quantity, row.outcome.value(quantity)),
             (None, Some(_), Value::Null) => Some(0.0),
             (None, Some(quantity), largest) => self.in_pictures(quantity, &largest["pressure"]),
-            (None, None, _) => row.outcome.told["iterations"].as_f64(),
+            (None, None, _) => row.outcome.values["iterations"].as_f64(),
         };
         let label = match (&self.plotted, &pressure) {
             (Some(quantity), _) => self.label(quantity),
@@ -43,7 +43,7 @@ impl Sweep {
         let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
             let of = others.map(|(_, (variation, value))| format!("{} = {value}", variation.key));
-            Some((of.collect::<Vec<_>>().join(", "), [place(row)?, height(row)?]))
+            Some((of.collect::<Vec<_>>().join(", "), [position(row)?, height(row)?]))
         };
         let mut curves = grouped(converged.iter().filter_map(point));
         let tell_apart = curves.len() <= MAX_CURVES;

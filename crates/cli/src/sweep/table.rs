@@ -44,14 +44,14 @@ pub struct Row {
 
 /// The quantities that a table shows.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Shown {
+pub struct TableQuantities {
     /// The quantities of the table; `None`: the key results that any variant has.
     pub table: Option<Vec<TableQuantity>>,
     /// The quantity of the chart.
     pub plot: Option<TableQuantity>,
 }
 
-impl Shown {
+impl TableQuantities {
     /// Returns all quantities of table and chart, each once.
     pub fn all(&self) -> Vec<TableQuantity> {
         let key_results = || KEY_RESULTS.iter().filter_map(|result| result.key.parse().ok()).collect();
@@ -67,7 +67,7 @@ const DIGITS: usize = 6;
 
 impl Sweep {
     /// Creates the table of `scene` over `varied`, with a row for each combination, of the quantities of `shown`.
-    pub fn new(scene: &Scene, varied: Vec<Variation>, shown: Shown, variants: Vec<Row>) -> Self {
+    pub fn new(scene: &Scene, varied: Vec<Variation>, shown: TableQuantities, variants: Vec<Row>) -> Self {
         // Without any force, no unit depends on the dimension.
         let forces = || variants.iter().flat_map(|row| row.outcome.boundaries());
         let dimension = forces().find_map(|on| Some(on["force"].as_array()?.len()));
@@ -112,8 +112,8 @@ impl Sweep {
         let row = |row: &Row| {
             let values: Value = row.values.iter().map(plain).collect();
             let mut object = json!({ "values": values, "results": row.results });
-            if let (Some(object), Some(told)) = (object.as_object_mut(), row.outcome.told.as_object()) {
-                object.extend(told.clone());
+            if let (Some(object), Some(values)) = (object.as_object_mut(), row.outcome.values.as_object()) {
+                object.extend(values.clone());
             }
             object
         };
@@ -135,11 +135,11 @@ impl Sweep {
         }
         let record = |row: &Row| {
             let Row { values, outcome, results } = row;
-            let of = |key: &str| (key.to_string(), outcome.told[key].clone());
+            let of = |key: &str| (key.to_string(), outcome.values[key].clone());
             let values =
                 self.varied.iter().zip(values).map(|(varied, value)| (varied.key.clone(), value.as_str().into()));
             let mut record: Record = values.chain(["status", "converged", "iterations", "seconds"].map(of)).collect();
-            record.push(("largest_pressure".to_string(), outcome.told["largest_pressure"]["pressure"].clone()));
+            record.push(("largest_pressure".to_string(), outcome.values["largest_pressure"]["pressure"].clone()));
             for (name, components) in &boundaries {
                 let on = outcome.boundaries().find(|on| on["boundary"] == *name).unwrap_or(&Value::Null);
                 let columns = || COMPONENTS[..*components].iter().enumerate();
@@ -190,7 +190,7 @@ impl Sweep {
             0 => "-".to_string(),
             count => count.to_string(),
         };
-        let run = [outcome.status.clone(), outcome.told["converged"].to_string()];
+        let run = [outcome.status.clone(), outcome.values["converged"].to_string()];
         values.iter().cloned().chain(run).chain(shown).chain([warnings]).collect()
     }
 
@@ -232,9 +232,9 @@ impl Sweep {
     }
 
     /// Returns the value of a quantity in its unit in the text table; `None` if it is no number.
-    pub(super) fn in_pictures(&self, quantity: &TableQuantity, told: &Value) -> Option<f64> {
-        let (told, of) = (told.as_f64()?, quantity.quantity());
+    pub(super) fn in_pictures(&self, quantity: &TableQuantity, value: &Value) -> Option<f64> {
+        let (value, of) = (value.as_f64()?, quantity.quantity());
         let units = self.units_of(quantity);
-        Some(if of == Quantity::Stress { units.of_si(of, self.units.to_si(of, told)) } else { told })
+        Some(if of == Quantity::Stress { units.of_si(of, self.units.to_si(of, value)) } else { value })
     }
 }

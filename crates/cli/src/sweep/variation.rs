@@ -47,8 +47,8 @@ impl FromStr for Variation {
                 "{key} has one value only; give several, a,b,c, or a range from:to:count, or use --set"
             ));
         }
-        let mut met = HashSet::new();
-        if let Some(value) = values.iter().find(|value| !met.insert(Value::of(value))) {
+        let mut values_so_far = HashSet::new();
+        if let Some(value) = values.iter().find(|value| !values_so_far.insert(Value::of(value))) {
             return Err(format!("{key} has the value {value} twice; give each once"));
         }
         let variation = Variation { key, values };

@@ -69,8 +69,8 @@ fn warns(report: &Value) -> bool {
 fn a_kernel_that_the_user_chose_stays_and_is_told() {
     let (Some(best), Some(report)) = (best(), on_a_slow_kernel()) else { return };
     let blas = &report["blas"];
-    let told = ["library", "kernel", "kernel_asked"].map(|key| blas[key].as_str().unwrap());
-    assert_eq!(told, ["OpenBLAS", "Prescott", "Prescott"]);
+    let reported = ["library", "kernel", "kernel_asked"].map(|key| blas[key].as_str().unwrap());
+    assert_eq!(reported, ["OpenBLAS", "Prescott", "Prescott"]);
     assert_eq!(blas["better_kernel"], best.to_ascii_uppercase());
     assert!(warns(&report), "{report}");
     let (_folder, scene) = Folder::with_scene(&small());

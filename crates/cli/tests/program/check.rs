@@ -37,18 +37,18 @@ fn check_explains_without_solving() {
 #[test]
 fn check_names_nodal_volumes() {
     let text = edit(&small(), "poisson = 0.3", "poisson = 0.4999");
-    let told = |cells: &str, element: &str| {
+    let output = |cells: &str, element: &str| {
         let text = edit(&text, "elements =", &format!("cells = \"{cells}\"\nelement = \"{element}\"\nelements ="));
         let (_folder, scene) = Folder::with_scene(&text);
         stdout(&stickslip(&["check", &scene])).to_string()
     };
-    let (plain, averaged) = (told("triangle", "bilinear"), told("triangle", "nodal-volume"));
+    let (plain, averaged) = (output("triangle", "bilinear"), output("triangle", "nodal-volume"));
     assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
     assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
     // Above 0.499, cells of second order lock too.
-    let (plain, averaged) = (told("triangle6", "bilinear"), told("triangle6", "nodal-volume"));
+    let (plain, averaged) = (output("triangle6", "bilinear"), output("triangle6", "nodal-volume"));
     assert!(plain.contains("quadratic triangles, 81 nodes") && plain.contains("may be too stiff"), "{plain}");
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
     assert!(averaged.contains("quadratic triangles with nodal volumes, 81 nodes"), "{averaged}");
@@ -68,16 +68,16 @@ fn check_tells_every_obstacle() {
     };
     let rollers = "obstacle = [{ kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5], approach = [[0, 0], [1, 1e-5]] }, \
                    { kind = \"bore\", radius = 90.0, apex = [1.0, -0.02], direction = \"nearest\" }]";
-    let told = check(rollers);
+    let output = check(rollers);
     for words in [
         "contact      bottom: 2 obstacles, mu = 0.4\n",
         "             cylinder, radius 0.2 m, apex (0.5, -0.00001) m, moves in by 0 m at 0 s, 10 µm at 1 s, met by 1 node\n",
         "             bore, radius 90 m, apex (1, -0.02) m, met by 3 nodes\n             gaps to the nearest point",
     ] {
-        assert!(told.contains(words), "{words}{told}");
+        assert!(output.contains(words), "{words}{output}");
     }
-    let told = check("obstacle = { kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5] }");
-    assert!(told.contains("             4 nodes remain open because no obstacle ever reaches them\n"), "{told}");
+    let output = check("obstacle = { kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5] }");
+    assert!(output.contains("             4 nodes remain open because no obstacle ever reaches them\n"), "{output}");
     assert!(check("obstacle = { kind = \"plane\" }").contains("mu = 0.4"));
 }
 
@@ -95,25 +95,25 @@ fn check_tells_histories() {
         assert_exit(&output, 0);
         stdout(&output).to_string()
     };
-    let told = check(&text);
+    let output = check(&text);
     let words = "moves in by 0 m at 0 s, 10 µm at 1 s, 0 m at 2 s, \
                  moves by (0, 0) m at 0 s, (0.001, 0) m at 0.5 s, (0, 0) m at 2 s, \
                  turns by 0 rad at 0 s, 1e-6 rad at 1 s, -1e-6 rad at 2 s, mu = 0.4";
-    assert!(told.contains(words), "{told}");
-    assert!(told.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{told}");
-    assert!(!told.contains("further ends"), "{told}");
+    assert!(output.contains(words), "{output}");
+    assert!(output.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{output}");
+    assert!(!output.contains("further ends"), "{output}");
 
-    let told = check(&edit(&text, "increments = 4", "increments = 6"));
-    let further: Vec<&str> = told.lines().filter(|line| line.contains("further ends")).collect();
-    let [line] = further[..] else { panic!("{told}") };
+    let output = check(&edit(&text, "increments = 4", "increments = 6"));
+    let further: Vec<&str> = output.lines().filter(|line| line.contains("further ends")).collect();
+    let [line] = further[..] else { panic!("{output}") };
     assert_eq!(line.trim(), "further ends: the kink of the translation of the obstacle at bottom at 0.5 s");
-    let told = check(&edit(&text, "increments = 4", "increments = 7"));
-    assert_eq!(told.matches("further ends: the kink of ").count(), 5, "{told}");
+    let output = check(&edit(&text, "increments = 4", "increments = 7"));
+    assert_eq!(output.matches("further ends: the kink of ").count(), 5, "{output}");
 
     // Of ten points, three are omitted.
     let many: Vec<String> = (0..10).map(|k| format!("[{}, {}e-6]", 0.2 * f64::from(k), k % 2)).collect();
-    let told = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
-    assert!(told.contains("1 µm at 1 s, (3 more), 1 µm at 1.8 s"), "{told}");
+    let output = check(&edit(&small(), "gap = 1e-5", &format!("gap = 1e-5, approach = [{}]", many.join(", "))));
+    assert!(output.contains("1 µm at 1 s, (3 more), 1 µm at 1.8 s"), "{output}");
 }
 
 #[test]
@@ -164,11 +164,11 @@ fn check_tells_what_was_changed_in_a_mesh_file() {
     std::fs::write(folder.join("upright.msh"), with_centre).unwrap();
     let output = stickslip(&["check", &scene]);
     assert_exit(&output, 0);
-    for told in [
+    for words in [
         "0.04 m x 0.02 m over all",
         "\n             1 node is left out: no element of the body has it\n",
         "\n             the mesh lies in the x-z plane of its file: x is x here, z is y\n",
     ] {
-        assert!(stdout(&output).contains(told), "{}", stdout(&output));
+        assert!(stdout(&output).contains(words), "{}", stdout(&output));
     }
 }

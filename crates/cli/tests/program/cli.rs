@@ -147,8 +147,8 @@ fn warnings() {
         ),
     ] {
         let report = report(&scene, 0);
-        let mut told = report["warnings"].as_array().unwrap().iter().filter(|warning| warning["kind"] == kind);
-        assert!(told.any(|warning| warning["message"].as_str().unwrap().contains(words)), "{}", report["warnings"]);
+        let mut warnings = report["warnings"].as_array().unwrap().iter().filter(|warning| warning["kind"] == kind);
+        assert!(warnings.any(|warning| warning["message"].as_str().unwrap().contains(words)), "{}", report["warnings"]);
         // The contact also leaves a wedge sideways.
         let more = (kind == "leaning-obstacle").then_some("gaps-out-of-range");
         let others = kinds_but_of_the_mesh(&report).into_iter().filter(|other| *other != kind);
@@ -175,8 +175,9 @@ load = [{ boundary = "top", traction = [0, -1e3] }]
 time = { end = 1, increments = 2 }
 "#;
     let report = report(scene, 0);
-    let told = report["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "not-unique").unwrap();
-    let message = told["message"].as_str().unwrap();
+    let warning =
+        report["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "not-unique").unwrap();
+    let message = warning["message"].as_str().unwrap();
     assert!(message.contains("at t = 0.5 s") && message.contains("a rotation about (0.5, 0) m"), "{message}");
     assert!(message.contains("differ by up to 127 mm"), "{message}");
     // With a support the solution is unique.
@@ -202,8 +203,8 @@ time = { end = 1, increments = 1 }
     let stiff = turned("1e16");
     let balance = stiff["reactions"][0]["balance"].as_f64().unwrap();
     assert!((1e-5..0.1).contains(&balance), "{balance}");
-    let told = stiff["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "unbalanced").unwrap();
-    let message = told["message"].as_str().unwrap();
+    let warning = stiff["warnings"].as_array().unwrap().iter().find(|warning| warning["kind"] == "unbalanced").unwrap();
+    let message = warning["message"].as_str().unwrap();
     assert!(message.contains(&format!("do not balance, by {balance:.1e} of their sizes")), "{message}");
 
     let lifted = r#"

@@ -307,9 +307,9 @@ fn a_backend_that_is_not_built_in() {
     let (_folder, scene) = Folder::with_scene(&small());
     let output = stickslip(&["check", &scene, "--set", "solver.linear=\"umfpack\""]);
     assert_exit(&output, 2);
-    let told = stderr(&output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ");
+    let message = stderr(&output).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ");
     for words in ["this build has no UMFPACK", "use \"faer\" or \"condensed\""] {
-        assert!(told.contains(words), "{told}");
+        assert!(message.contains(words), "{message}");
     }
 }
 

@@ -160,8 +160,11 @@ fn friction_dissipates_what_the_loads_do_beyond_the_strain_energy() {
             assert_eq!(total, 0.0);
         } else {
             // Both sums have an error of first order in the increments.
-            let beyond = external.work - energy;
-            assert!(total > 1e-3 * energy && (total / beyond - 1.0).abs() < 0.02, "mu = {mu}: {total}, {beyond}");
+            let dissipated = external.work - energy;
+            assert!(
+                total > 1e-3 * energy && (total / dissipated - 1.0).abs() < 0.02,
+                "mu = {mu}: {total}, {dissipated}"
+            );
         }
     }
 }
@@ -172,9 +175,9 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let ip = SolverPath { method: Method::Ip.into(), ..CONDENSED };
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
-    let mut told = Vec::new();
-    let comparison = compare::compute(&scene, &plan, &(), &mut |what| told.push(what)).unwrap();
-    assert_eq!(told.len(), plan.histories());
+    let mut messages = Vec::new();
+    let comparison = compare::compute(&scene, &plan, &(), &mut |what| messages.push(what)).unwrap();
+    assert_eq!(messages.len(), plan.histories());
     assert_eq!(comparison.runs.len(), plan.histories() - 2);
     assert!(comparison.runs.iter().all(|run| run.course.status == Status::Converged && run.course.kkt <= 1e-10));
 

@@ -16,7 +16,7 @@ struct Kept {
 }
 
 impl Cells for Kept {
-    fn kept(&self, name: &str) -> Option<Checkpoint> {
+    fn stored(&self, name: &str) -> Option<Checkpoint> {
         self.of.lock().unwrap().get(name).and_then(|bytes| Checkpoint::from_bytes(bytes).ok())
     }
 
@@ -51,19 +51,19 @@ fn compared(text: &str, meshes: &[usize], increments: &[usize], cells: &Kept) ->
 #[test]
 fn what_is_kept_is_not_computed_again() {
     let text = include_str!("../../../../data/scenes/block.toml");
-    let kept = Kept::default();
-    let whole = compared(text, &[4, 8], &[2, 4], &kept);
-    assert_eq!(kept.computed(), 2 + 2 * 2 * 2);
+    let stored = Kept::default();
+    let whole = compared(text, &[4, 8], &[2, 4], &stored);
+    assert_eq!(stored.computed(), 2 + 2 * 2 * 2);
     // Times agree too, although they differ between computations; only the time for building meshes is new.
-    let again = compared(text, &[4, 8], &[2, 4], &kept);
-    assert_eq!((kept.computed(), &again), (0, &whole));
+    let again = compared(text, &[4, 8], &[2, 4], &stored);
+    assert_eq!((stored.computed(), &again), (0, &whole));
     // Damaged or missing histories are computed again.
-    let mut names: Vec<String> = kept.of.lock().unwrap().keys().cloned().collect();
+    let mut names: Vec<String> = stored.of.lock().unwrap().keys().cloned().collect();
     names.sort();
-    kept.of.lock().unwrap().remove(&names[0]);
-    kept.of.lock().unwrap().get_mut(&names[3]).unwrap()[60] ^= 1;
-    let mended = compared(text, &[4, 8], &[2, 4], &kept);
-    assert_eq!(kept.computed(), 2, "{names:?}");
+    stored.of.lock().unwrap().remove(&names[0]);
+    stored.of.lock().unwrap().get_mut(&names[3]).unwrap()[60] ^= 1;
+    let mended = compared(text, &[4, 8], &[2, 4], &stored);
+    assert_eq!(stored.computed(), 2, "{names:?}");
     for (one, other) in mended.runs.iter().zip(&whole.runs) {
         assert_eq!(
             (one.errors, one.course.kkt, one.course.iterations),
@@ -74,10 +74,10 @@ fn what_is_kept_is_not_computed_again() {
         assert_eq!((&one.end, one.errors, &one.estimates), (&other.end, other.errors, &other.estimates));
     }
     // A larger comparison computes only new histories. Another reference is a new history.
-    compared(text, &[4, 8], &[1, 2, 4], &kept);
-    assert_eq!(kept.computed(), 4);
-    compared(text, &[4, 8], &[8], &kept);
-    assert_eq!(kept.computed(), 2 + 4);
+    compared(text, &[4, 8], &[1, 2, 4], &stored);
+    assert_eq!(stored.computed(), 4);
+    compared(text, &[4, 8], &[8], &stored);
+    assert_eq!(stored.computed(), 2 + 4);
 }
 
 #[cfg(target_os = "linux")]

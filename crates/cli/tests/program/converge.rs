@@ -28,13 +28,13 @@ fn a_peak_is_known_to_two_percent() {
     assert_eq!(folder.names("out"), ["converge.csv", "converge.json", "converge.svg"]);
     let table = fs::read_to_string(folder.join("out/converge.csv")).unwrap();
     assert!(table.starts_with("mesh,elements,increments,peak,change,resolved,seconds\n\"12 + 12, 7 layers\",168,1,"));
-    let told: serde_json::Value =
+    let study: serde_json::Value =
         serde_json::from_str(&fs::read_to_string(folder.join("out/converge.json")).unwrap()).unwrap();
-    assert_eq!((told["verdict"].as_str(), told["unit"].as_str()), (Some("known"), Some("Pa")));
-    assert_eq!(told["runs"].as_array().unwrap().len() + 1, table.lines().count());
-    assert!(number(&told["uncertainty"]) <= 0.02 && number(&told["uncertainty_increments"]) == 0.0, "{told}");
+    assert_eq!((study["verdict"].as_str(), study["unit"].as_str()), (Some("known"), Some("Pa")));
+    assert_eq!(study["runs"].as_array().unwrap().len() + 1, table.lines().count());
+    assert!(number(&study["uncertainty"]) <= 0.02 && number(&study["uncertainty_increments"]) == 0.0, "{study}");
     // Eight times as fine: 53.505 MPa.
-    assert!((number(&told["extrapolated"]) / 53.505e6 - 1.0).abs() < 2e-3, "{told}");
+    assert!((number(&study["extrapolated"]) / 53.505e6 - 1.0).abs() < 2e-3, "{study}");
     let svg = fs::read_to_string(folder.join("out/converge.svg")).unwrap();
     for text in ["element size, relative to the finest mesh", "extrapolated", "peak pressure, MPa"] {
         assert!(svg.contains(text), "{text}");
@@ -82,15 +82,15 @@ fn values_are_those_of_a_run() {
 fn mesh_and_increments_are_refined_in_turn() {
     let set = ["--set", "mesh.elements=[[5,7,6],8]", "--set", "mesh.grading=[[1,1,20],0.1]"];
     let output = stickslip(&converge(PUNCH, "friction_work", &[&set[..], &["--to", "0.1", "--json"]].concat()));
-    let told = json(&output);
+    let study = json(&output);
     assert_exit(&output, 0);
-    let runs = told["runs"].as_array().unwrap();
+    let runs = study["runs"].as_array().unwrap();
     for pair in runs.windows(2) {
         let same = |key: &str| pair[0][key] == pair[1][key];
-        assert!(same("mesh") != same("increments"), "{told}");
+        assert!(same("mesh") != same("increments"), "{study}");
     }
-    assert!(number(&told["uncertainty_increments"]) > 0.0 && number(&told["uncertainty_mesh"]) > 0.0);
-    assert!((number(&told["order_increments"]) - 1.0).abs() < 0.3, "{told}");
+    assert!(number(&study["uncertainty_increments"]) > 0.0 && number(&study["uncertainty_mesh"]) > 0.0);
+    assert!((number(&study["order_increments"]) - 1.0).abs() < 0.3, "{study}");
 }
 
 #[test]
@@ -117,8 +117,8 @@ fn limits_and_failures_end_with_status_1() {
     assert!(stdout(&output).contains("(--within)"), "{}", stdout(&output));
     let output = stickslip(&converge(LINE, "peak", &["--to", "1e-6", "--meshes", "12,24,48", "--json"]));
     assert_exit(&output, 1);
-    let told = json(&output);
-    assert_eq!((told["verdict"].as_str(), told["runs"].as_array().unwrap().len()), (Some("no-finer-mesh"), 3));
+    let study = json(&output);
+    assert_eq!((study["verdict"].as_str(), study["runs"].as_array().unwrap().len()), (Some("no-finer-mesh"), 3));
     let output = stickslip(&converge(PUNCH, "peak", &["--set", "solver.max_iterations=1"]));
     assert_exit(&output, 1);
     assert!(stdout(&output).contains("did not converge"), "{}", stdout(&output));
@@ -241,8 +241,8 @@ fn meshes_of_second_order_are_finer() {
         fs::write(folder.join(name), square(n, second)).unwrap();
     }
     let output = stickslip(&converge(&file, "force", &["--to", "0.02", "--meshes", "a.inp,b.inp,c.inp", "--json"]));
-    let told: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
-    assert!(told["runs"].as_array().unwrap().len() > 1, "{told}");
+    let study: serde_json::Value = serde_json::from_str(stdout(&output)).unwrap();
+    assert!(study["runs"].as_array().unwrap().len() > 1, "{study}");
     let output = stickslip(&converge(&file, "force", &["--to", "1e-9", "--meshes", "b.inp,a.inp"]));
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("elements and is no finer"), "{}", stderr(&output));
@@ -269,14 +269,14 @@ fn what_is_never_to_be_ignored_is_never_known() {
     let text = of("bumps.toml", "force", &[]);
     assert_exit(&text, 1);
     assert!(stdout(&text).contains("never to be ignored") && stdout(&text).contains("\nwarning "), "{}", stdout(&text));
-    let told = json(&of("bumps.toml", "force", &["--json"]));
-    assert_eq!(told["verdict"], "warned");
+    let study = json(&of("bumps.toml", "force", &["--json"]));
+    assert_eq!(study["verdict"], "warned");
     assert!(
-        told["warnings"].as_array().unwrap().iter().any(|warning| warning["kind"] == "obstacle-between-nodes"),
-        "{told}"
+        study["warnings"].as_array().unwrap().iter().any(|warning| warning["kind"] == "obstacle-between-nodes"),
+        "{study}"
     );
     // A pressure that each run calls singular has no value; the force of the same runs has one.
     assert_exit(&of("plane.toml", "force", &[]), 0);
-    let told = json(&of("plane.toml", "peak", &["--json"]));
-    assert!(told["verdict"] != "known" && told["uncertainty"].is_null(), "{told}");
+    let study = json(&of("plane.toml", "peak", &["--json"]));
+    assert!(study["verdict"] != "known" && study["uncertainty"].is_null(), "{study}");
 }

@@ -154,10 +154,10 @@ fn an_increment_that_leads_over_the_end_of_the_motion_is_told() {
         warnings.filter(|warning| warning["kind"] == "jump").map(|warning| warning["message"].to_string()).collect()
     };
     for (method, increments) in [("bn", 6), ("bn", 300), ("ip", 30)] {
-        let told: Vec<String> = jumps(method, increments, 3.0);
+        let messages: Vec<String> = jumps(method, increments, 3.0);
         assert!(
-            told.len() == 1 && told[0].contains("jump by 100 % of their largest value between t = 2 s"),
-            "{told:?}"
+            messages.len() == 1 && messages[0].contains("jump by 100 % of their largest value between t = 2 s"),
+            "{messages:?}"
         );
     }
     let none: Vec<String> = jumps("bn", 60, 0.9);

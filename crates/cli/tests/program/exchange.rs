@@ -28,10 +28,10 @@ fn a_link_that_leads_nowhere_is_refused() {
     fs::write(&linked, bytes).unwrap();
     let refused = stickslip(&["solve", &linked]);
     assert_exit(&refused, 2);
-    let told = stderr(&refused).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+    let message = stderr(&refused).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
     assert!(
-        told.contains("dataset fclib_") && told.contains("out of bounds help: fetch or write the file again"),
-        "{told}"
+        message.contains("dataset fclib_") && message.contains("out of bounds help: fetch or write the file again"),
+        "{message}"
     );
 }
 

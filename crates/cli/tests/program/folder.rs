@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
 
-use super::resume::{Case, told};
+use super::resume::{Case, joined_message};
 use crate::program::{assert_exit, small, stdout, without};
 use crate::whole::{assert_whole, files};
 
@@ -42,7 +42,7 @@ fn a_folder_is_written_by_one_command_at_a_time() {
     for command in [&mut case.command("out", &[]), &mut sweep, &mut compare] {
         let second = command.output().unwrap();
         assert_exit(&second, 2);
-        assert!(told(&second).contains("another run is writing"), "{}", told(&second));
+        assert!(joined_message(&second).contains("another run is writing"), "{}", joined_message(&second));
     }
     first.kill().unwrap();
     first.wait().unwrap();
@@ -77,8 +77,8 @@ fn a_folder_that_is_removed_is_told() {
     while fs::remove_dir_all(case.path("out")).is_err() {}
     let output = child.wait_with_output().unwrap();
     assert_exit(&output, 3);
-    let told = told(&output);
-    assert!(told.contains("removed") && !told.contains("free disk space"), "{told}");
+    let message = joined_message(&output);
+    assert!(message.contains("removed") && !message.contains("free disk space"), "{message}");
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn a_complete_run_is_complete_only_with_its_files() {
         let refused = || {
             let output = case.command("out", &["--resume"]).output().unwrap();
             assert_exit(&output, 2);
-            assert!(told(&output).contains(name), "{}", told(&output));
+            assert!(joined_message(&output).contains(name), "{}", joined_message(&output));
         };
         fs::write(&path, &bytes[..bytes.len() - 1]).unwrap();
         refused();
@@ -131,7 +131,7 @@ fn what_is_no_file_is_named() {
             for more in [&[][..], &["--resume"]] {
                 let output = case.command("out", more).output().unwrap();
                 assert_exit(&output, 2);
-                assert!(told(&output).contains(name), "{kind}: {}", told(&output));
+                assert!(joined_message(&output).contains(name), "{kind}: {}", joined_message(&output));
             }
             fs::remove_dir_all(case.path("out")).unwrap();
             fs::remove_file(aside).unwrap();
@@ -143,5 +143,5 @@ fn what_is_no_file_is_named() {
     let of_a_pipe = Case::new(&[without(&small(), "[mesh]", "[material]"), mesh].concat(), &[]);
     let output = of_a_pipe.command("out", &[]).output().unwrap();
     assert_exit(&output, 2);
-    assert!(told(&output).contains("pipe"), "{}", told(&output));
+    assert!(joined_message(&output).contains("pipe"), "{}", joined_message(&output));
 }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use crate::program::{Folder, send, small};
 
 /// The end of a process.
-struct Ended {
+struct ProcessResult {
     /// The exit code; `None` after a signal or a timeout.
     code: Option<i32>,
     words: String,
@@ -21,11 +21,11 @@ struct Ended {
 const TIME: Duration = Duration::from_secs(60);
 
 /// Runs `command` with its output in a file of `folder`.
-fn ended(command: Command, folder: &Folder) -> Ended {
+fn ended(command: Command, folder: &Folder) -> ProcessResult {
     ended_within(TIME, command, folder)
 }
 
-fn ended_within(time: Duration, mut command: Command, folder: &Folder) -> Ended {
+fn ended_within(time: Duration, mut command: Command, folder: &Folder) -> ProcessResult {
     let words = PathBuf::from(folder.join("words"));
     let file = std::fs::File::create(&words).unwrap();
     let child =
@@ -43,7 +43,7 @@ fn ended_within(time: Duration, mut command: Command, folder: &Folder) -> Ended 
             None => std::thread::sleep(Duration::from_millis(5)),
         }
     };
-    Ended {
+    ProcessResult {
         code: status.and_then(|status| status.code()),
         words: String::from_utf8_lossy(&std::fs::read(words).unwrap()).into_owned(),
     }
@@ -60,7 +60,8 @@ fn limited(megabytes: usize, arguments: &[&str]) -> Command {
 /// Returns `false` if the limit is too small for the system to load the libraries of the program. OpenBLAS 0.3.29 does
 /// not return from loading then: it requests its buffers for ever, even in a C program without any function.
 fn libraries_load(megabytes: usize, folder: &Folder) -> bool {
-    let Ended { code, words } = ended_within(Duration::from_secs(5), limited(megabytes, &["--version"]), folder);
+    let ProcessResult { code, words } =
+        ended_within(Duration::from_secs(5), limited(megabytes, &["--version"]), folder);
     let refused = code == Some(127) && words.contains("error while loading shared libraries");
     let by_openblas = words.contains("OpenBLAS blas_thread_init") || code.is_none() && words.is_empty();
     // Its threads may have no room although the libraries have.
@@ -209,9 +210,9 @@ fn refuse(step: usize) {
             }
         }
         assert!(faults.is_empty(), "{arguments:?}\n{}", faults.join("\n\n"));
-        let told = format!("{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
-        println!("{told}");
-        assert!(short > good, "{told}");
+        let counts = format!("{arguments:?}: {requests} requests, {good} converged, {short} out of memory");
+        println!("{counts}");
+        assert!(short > good, "{counts}");
     }
 }
 

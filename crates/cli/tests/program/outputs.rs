@@ -134,11 +134,11 @@ fn several_obstacles_are_told_apart() {
         let found = [3, 4, 5, 6, 7].map(|c| number(&line[c]));
         let on = &report["boundaries"][0]["obstacles"][k];
         assert_eq!(on["obstacle"], key);
-        let told = [&on["force"][0], &on["force"][1], &on["moment"][0], &on["sum_p_n"], &on["sum_p_t"]];
+        let reported = [&on["force"][0], &on["force"][1], &on["moment"][0], &on["sum_p_n"], &on["sum_p_t"]];
         assert!(expected[3] > 1e4, "{expected:?}");
         for c in 0..5 {
             assert!((found[c] - expected[c]).abs() < 1e-9 * expected[3], "{found:?} {expected:?}");
-            assert!((told[c].as_f64().unwrap() - found[c]).abs() <= 1e-15 * found[c].abs(), "{on}");
+            assert!((reported[c].as_f64().unwrap() - found[c]).abs() <= 1e-15 * found[c].abs(), "{on}");
             sums[c] += found[c];
         }
     }

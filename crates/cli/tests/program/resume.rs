@@ -28,7 +28,7 @@ fn shim() -> &'static Path {
 }
 
 /// Returns standard error without its line breaks.
-pub fn told(output: &Output) -> String {
+pub fn joined_message(output: &Output) -> String {
     stderr(output).replace("\n  │ ", " ")
 }
 
@@ -94,19 +94,19 @@ fn all_faults(case: &Case, every: usize) -> usize {
             fs::copy(earlier.path("earlier/.stickslip"), place.join(".stickslip")).unwrap();
 
             let output = case.failing(&out, at, fault, lasts);
-            let told = format!("{out}: {:?}\n{}{}", output.status, stdout(&output), stderr(&output));
+            let output_text = format!("{out}: {:?}\n{}{}", output.status, stdout(&output), stderr(&output));
             match output.status.code() {
-                None => assert!(["kill", "torn"].contains(&fault), "{told}"),
+                None => assert!(["kill", "torn"].contains(&fault), "{output_text}"),
                 // Nothing of importance failed.
                 Some(0) => assert_same(&case.path("whole"), &place),
                 Some(code) => {
-                    let message = self::told(&output);
+                    let message = self::joined_message(&output);
                     let is_told = if fault == "enospc" {
                         code == 3 && message.contains("free disk space")
                     } else {
                         [2, 3].contains(&code)
                     };
-                    assert!(is_told && message.contains("cannot be written"), "{told}");
+                    assert!(is_told && message.contains("cannot be written"), "{output_text}");
                 }
             }
             // There is no report while old files are removed and new ones renamed.
@@ -157,8 +157,12 @@ fn a_full_disk_is_told_with_what_the_command_can_do() {
         command.args(arguments).env("LD_PRELOAD", shim()).env("FAULT_AT", "1").env("FAULT", "enospc");
         let output = command.env("FAULT_LASTS", "1").output().unwrap();
         assert_exit(&output, 3);
-        assert!(told(&output).contains("free disk space, and type the command again"), "{}", told(&output));
-        assert!(!told(&output).contains("--resume"), "{}", told(&output));
+        assert!(
+            joined_message(&output).contains("free disk space, and type the command again"),
+            "{}",
+            joined_message(&output)
+        );
+        assert!(!joined_message(&output).contains("--resume"), "{}", joined_message(&output));
     }
 }
 
@@ -263,7 +267,7 @@ fn a_run_that_was_another_is_not_gone_on_with() {
     let refused = |options: &[&str], words: &str| {
         let output = case.command("left", &[options, &["--resume"]].concat()).output().unwrap();
         assert_exit(&output, 2);
-        assert!(told(&output).contains(words), "{}", told(&output));
+        assert!(joined_message(&output).contains(words), "{}", joined_message(&output));
     };
     refused(&["--set", "contact.friction=0.5"], "friction = 0.4");
     refused(&["--set", "time.increments=5"], "line");
@@ -314,7 +318,11 @@ fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
         fs::write(case.path("cut/.checkpoint"), &bytes[..length]).unwrap();
         let output = case.command("cut", &["--resume"]).output().unwrap();
         assert_exit(&output, 2);
-        assert!(told(&output).contains("checkpoint") && told(&output).contains("damaged"), "{}", told(&output));
+        assert!(
+            joined_message(&output).contains("checkpoint") && joined_message(&output).contains("damaged"),
+            "{}",
+            joined_message(&output)
+        );
         assert_eq!(fs::read(case.path("cut/increments.csv")).unwrap(), increments);
     }
     assert_exit(&case.command("cut", &[]).output().unwrap(), 0);
@@ -323,5 +331,5 @@ fn checkpoints_that_are_damaged_and_tables_that_are_cut_are_told() {
     fs::write(case.path("table/forces.csv"), "index\n").unwrap();
     let output = case.command("table", &["--resume"]).output().unwrap();
     assert_exit(&output, 2);
-    assert!(told(&output).contains("forces.csv"), "{}", told(&output));
+    assert!(joined_message(&output).contains("forces.csv"), "{}", joined_message(&output));
 }

@@ -291,13 +291,13 @@ fn reports_are_as_their_schema_says() {
     let schema = schema("run");
     let mut known = BTreeSet::new();
     keys(&schema, &schema, "", &mut known);
-    let mut met = BTreeSet::new();
+    let mut found = BTreeSet::new();
     let on_a_slow_kernel = on_a_slow_kernel();
     for report in reports().into_iter().chain(on_a_slow_kernel.clone()) {
         assert_eq!(faults(&schema, &schema, &report, "run"), [""; 0]);
-        keys_of(&report, "", &mut met);
+        keys_of(&report, "", &mut found);
     }
-    assert_eq!(met.difference(&known).collect::<Vec<_>>(), [""; 0], "in a report, not in the schema");
+    assert_eq!(found.difference(&known).collect::<Vec<_>>(), [""; 0], "in a report, not in the schema");
     let excused = |key: &str| {
         key.starts_with("range_left")
             || (key.starts_with("blas") && on_a_slow_kernel.is_none())
@@ -305,8 +305,8 @@ fn reports_are_as_their_schema_says() {
             || key.starts_with("totals.ranks")
             || (key == "totals.krylov_iterations" && cfg!(not(feature = "petsc")))
     };
-    let unseen: Vec<_> = known.difference(&met).filter(|key| !excused(key)).collect();
-    assert_eq!(unseen, [""; 0], "in the schema, in no report");
+    let missing: Vec<_> = known.difference(&found).filter(|key| !excused(key)).collect();
+    assert_eq!(missing, [""; 0], "in the schema, in no report");
     let broken = serde_json::json!({ "schema_version": "one" });
     assert!(faults(&schema, &schema, &broken, "run").len() > 5);
 }
@@ -337,22 +337,22 @@ fn problems_are_told_as_their_schemas_say() {
     let solved = folder.join("solved.hdf5");
     fs::write(folder.join("bad.dat"), "5").unwrap();
     fs::copy(file("sliding.dat"), folder.join("sliding.dat")).unwrap();
-    let told = |args: &[&str]| json(&stickslip(args));
+    let output = |args: &[&str]| json(&stickslip(args));
     let problems = [
-        told(&["solve", &file("global.hdf5"), "--out", &solved, "--json"]),
-        told(&["judge", &solved, "--json"]),
-        told(&["solve", &file("printed.dat"), "--json"]),
+        output(&["solve", &file("global.hdf5"), "--out", &solved, "--json"]),
+        output(&["judge", &solved, "--json"]),
+        output(&["solve", &file("printed.dat"), "--json"]),
     ];
-    let collections = [told(&["collection", &folder.join(""), "--json"])];
+    let collections = [output(&["collection", &folder.join(""), "--json"])];
     for (of, reports) in [("problem", &problems[..]), ("collection", &collections)] {
         let schema = schema(of);
-        let (mut known, mut met) = (BTreeSet::new(), BTreeSet::new());
+        let (mut known, mut found) = (BTreeSet::new(), BTreeSet::new());
         keys(&schema, &schema, "", &mut known);
         for report in reports {
             assert_eq!(faults(&schema, &schema, report, of), [""; 0]);
-            keys_of(report, "", &mut met);
+            keys_of(report, "", &mut found);
         }
-        assert_eq!(met, known, "{of}");
+        assert_eq!(found, known, "{of}");
         let page =
             fs::read_to_string(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/howto/exchange.md"))
                 .unwrap();

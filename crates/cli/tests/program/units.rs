@@ -95,8 +95,8 @@ fn table(path: &Path) -> (String, Vec<Vec<String>>) {
     (header.join(","), rows.collect())
 }
 
-fn close(si: f64, told: f64, unit: f64, largest: f64) -> bool {
-    (si - told * unit).abs() <= 1e-9 * largest
+fn close(si: f64, value: f64, unit: f64, largest: f64) -> bool {
+    (si - value * unit).abs() <= 1e-9 * largest
 }
 
 /// Returns the unit of a column, independent of the program.
@@ -182,12 +182,12 @@ fn reports_are_told_in_the_units_of_the_scene() {
         assert!(si.get("units").is_none());
         let order = |report: &Value| report.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(order(&mm), [order(&si), vec!["units".to_string()]].concat());
-        let (mut told, mut expected) = (Vec::new(), Vec::new());
+        let (mut found, mut expected) = (Vec::new(), Vec::new());
         numbers(&si, "", &mut expected);
-        numbers(&mm, "", &mut told);
-        told.retain(|(path, _)| !path.starts_with("units"));
-        assert_eq!(told.len(), expected.len());
-        for ((path, si), (other, mm)) in expected.iter().zip(&told) {
+        numbers(&mm, "", &mut found);
+        found.retain(|(path, _)| !path.starts_with("units"));
+        assert_eq!(found.len(), expected.len());
+        for ((path, si), (other, mm)) in expected.iter().zip(&found) {
             assert_eq!(path, other);
             let unit = &units[path];
             let rounded = ["kkt", "theta", "backward_error", "balance"].iter().any(|name| path.contains(name));

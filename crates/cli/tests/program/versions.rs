@@ -35,9 +35,9 @@ fn a_library_of_another_version_ends_the_run_in_words() {
         for solver in ["umfpack", "condensed"] {
             let output = run(solver);
             assert_exit(&output, 3);
-            let told = stderr(&output).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+            let message = stderr(&output).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
             for words in [&format!("{library} 99.7.1 is loaded") as &str, "rebuild it", "the solver faer"] {
-                assert!(told.contains(words), "{solver}: `{words}` is not in: {told}");
+                assert!(message.contains(words), "{solver}: `{words}` is not in: {message}");
             }
         }
         // As suggested in the message.

@@ -62,9 +62,9 @@ pub(super) fn matrix(file: &File, path: &str, rows: usize, columns: usize) -> Re
                 return Err(length(&at(name), count, found, why));
             }
         }
-        let places = rows.saturating_mul(columns);
-        if count > places.max(file.length()) {
-            let message = format!("it has {count} entries, but the matrix has {places} places");
+        let entries = rows.saturating_mul(columns);
+        if count > entries.max(file.length()) {
+            let message = format!("it has {count} entries, but the matrix has {entries} places");
             return Err(fault("x", message, "correct the sizes, which contradict each other"));
         }
         let bytes = BYTES_OF_AN_ENTRY.saturating_mul(count as u64);

@@ -104,9 +104,9 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     let objects: Vec<(u64, Option<[u64; 2]>)> = children.iter().map(|(_, node)| object(file, node)).collect();
     // The empty name comes first.
     let mut names = vec![0; 8];
-    let mut places = Vec::new();
+    let mut offsets = Vec::new();
     for (name, _) in &children {
-        places.push(names.len() as u64);
+        offsets.push(names.len() as u64);
         names.extend(name.bytes().chain([0]));
         align(&mut names);
     }
@@ -121,7 +121,7 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     let leaf = file.len() as u64;
     file.extend(b"SNOD\x01\0");
     put(file, 2, children.len() as u64);
-    for (place, (address, table)) in places.iter().zip(&objects) {
+    for (place, (address, table)) in offsets.iter().zip(&objects) {
         put(file, 8, *place);
         put(file, 8, *address);
         let [tree, heap] = table.unwrap_or_default();
@@ -138,7 +138,7 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     put(file, 8, NONE);
     put(file, 8, 0);
     put(file, 8, leaf);
-    put(file, 8, places.last().copied().unwrap_or(0));
+    put(file, 8, offsets.last().copied().unwrap_or(0));
     file.resize(tree + 24 + 8 * (4 * HALF_A_TREE + 1), 0);
     [tree as u64, heap]
 }

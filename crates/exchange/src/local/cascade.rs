@@ -49,11 +49,11 @@ pub fn solve(
 fn helpless(problem: &LocalProblem, tolerance: f64) -> Option<usize> {
     let least = -tolerance * problem.q().iter().fold(0.0_f64, |m, q| m.max(q.abs()));
     let d = problem.dimension();
-    let mut held = vec![false; problem.contacts()];
+    let mut has_normal = vec![false; problem.contacts()];
     for (row, _, w) in problem.delassus().entries() {
-        held[row / d] |= row % d == 0 && w != 0.0;
+        has_normal[row / d] |= row % d == 0 && w != 0.0;
     }
-    (0..problem.contacts()).find(|&i| !held[i] && problem.q()[d * i] < least)
+    (0..problem.contacts()).find(|&i| !has_normal[i] && problem.q()[d * i] < least)
 }
 
 /// Returns the best forces of one island, and adds the stages tried to the `records`.

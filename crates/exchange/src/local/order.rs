@@ -82,18 +82,18 @@ mod tests {
     /// Returns a chain of contacts that differ only by their neighbours, where `order[k]` is the number of the contact
     /// at position `k`.
     fn chain(order: [usize; 5]) -> LocalProblem {
-        let place = |i: usize| order.iter().position(|k| *k == i).unwrap();
+        let index = |i: usize| order.iter().position(|k| *k == i).unwrap();
         let mut entries = Vec::new();
         for i in 0..5 {
-            entries.extend([(2 * place(i), 2 * place(i), 2.0), (2 * place(i) + 1, 2 * place(i) + 1, 1.0)]);
+            entries.extend([(2 * index(i), 2 * index(i), 2.0), (2 * index(i) + 1, 2 * index(i) + 1, 1.0)]);
             if i < 4 {
                 let coupling = if i == 0 { -0.5 } else { -0.25 };
                 entries
-                    .extend([(2 * place(i), 2 * place(i + 1), coupling), (2 * place(i + 1), 2 * place(i), coupling)]);
+                    .extend([(2 * index(i), 2 * index(i + 1), coupling), (2 * index(i + 1), 2 * index(i), coupling)]);
             }
         }
         let mut q = vec![0.0; 10];
-        (0..5).for_each(|i| q[2 * place(i)] = -1.0);
+        (0..5).for_each(|i| q[2 * index(i)] = -1.0);
         LocalProblem::new(2, Csc::from_triplets(10, 10, &entries).unwrap(), q, vec![0.5; 5]).unwrap()
     }
 

@@ -34,20 +34,20 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
         let determinant = m[0][0] * m[1][1] - m[0][1] * m[1][0];
         [(m[0][1] * b[1] - m[1][1] * b[0]) / determinant, (m[1][0] * b[0] - m[0][0] * b[1]) / determinant]
     };
-    let beyond = |t: [f64; 2]| t[0].hypot(t[1]) - law.mu * normal(t);
+    let excess = |t: [f64; 2]| t[0].hypot(t[1]) - law.mu * normal(t);
     let whole = |t: [f64; 2]| [normal(t), t[0], t[1]];
     // If only motion in one direction can be stopped, the block is singular, and sticking is replaced by a very small
     // slip.
     let trace = a[0][0] + a[1][1];
     let regular = law.tangents == 1 || a[0][0] * a[1][1] - a[0][1] * a[1][0] > SINGULAR * trace * trace;
-    let held = friction(if regular { 0.0 } else { SINGULAR * trace.abs() });
-    if beyond(held) <= 0.0 {
-        return whole(held);
+    let sticking = friction(if regular { 0.0 } else { SINGULAR * trace.abs() });
+    if excess(sticking) <= 0.0 {
+        return whole(sticking);
     }
     // λ for which the matrix is regular and |r_T| is below any force of this contact.
     let (mut low, mut high) = (0.0, 1.0 / law.stiffness);
     for _ in 0..STEPS {
-        if beyond(friction(high)) <= 0.0 {
+        if excess(friction(high)) <= 0.0 {
             break;
         }
         (low, high) = (high, 4.0 * high);
@@ -58,7 +58,7 @@ pub(super) fn force(law: &LocalContact, w: &Block, q: Vector3) -> Vector3 {
         if middle <= low || middle >= high {
             break;
         }
-        if beyond(friction(middle)) <= 0.0 { high = middle } else { low = middle }
+        if excess(friction(middle)) <= 0.0 { high = middle } else { low = middle }
     }
     let t = friction(high);
     let n = normal(t).max(0.0);
@@ -92,7 +92,7 @@ mod tests {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             f64::from(seed >> 8) / f64::from(1 << 23) - 1.0
         };
-        let (mut held, mut slipping) = (0, 0);
+        let (mut sticking, mut slipping) = (0, 0);
         for case in 0..3000 {
             let tangents = 1 + case % 2;
             let rank = if case % 7 == 0 { 2 } else { 3 };
@@ -119,9 +119,9 @@ mod tests {
             let stiff = law.stiffness * w.iter().flatten().fold(0.0_f64, |m, w| m.max(w.abs()));
             assert!(missed <= 1e-6 * size * stiff.max(1.0), "{case}: {missed} {size} {law:?} {w:?} {q:?} {r:?}");
             if r[0] > 0.0 {
-                if u[1].hypot(u[2]) > 1e-6 { slipping += 1 } else { held += 1 }
+                if u[1].hypot(u[2]) > 1e-6 { slipping += 1 } else { sticking += 1 }
             }
         }
-        assert!(held > 200 && slipping > 200, "{held} {slipping}");
+        assert!(sticking > 200 && slipping > 200, "{sticking} {slipping}");
     }
 }

@@ -14,7 +14,7 @@ pub(super) struct FactoredMatrix<'a> {
     scaled: &'a ScaledContacts,
     blocks: &'a [Linear],
     /// The index of each row in the factored matrix; `None` for an eliminated contact.
-    places: Vec<Option<usize>>,
+    numbers: Vec<Option<usize>>,
     factors: Factors,
 }
 
@@ -24,11 +24,11 @@ impl<'a> FactoredMatrix<'a> {
     /// # Errors
     /// When it is singular, or has numbers that are not finite.
     pub(super) fn new(scaled: &'a ScaledContacts, blocks: &'a [Linear], proximal: f64) -> Result<Self, LinearError> {
-        let (mut places, mut order) = (vec![None; scaled.rows()], 0);
+        let (mut numbers, mut order) = (vec![None; scaled.rows()], 0);
         for (k, block) in blocks.iter().enumerate() {
             if block.by_u.iter().flatten().any(|a| *a != 0.0) {
                 for row in scaled.range(k) {
-                    places[row] = Some(order);
+                    numbers[row] = Some(order);
                     order += 1;
                 }
             }
@@ -36,10 +36,10 @@ impl<'a> FactoredMatrix<'a> {
         let visit = |add: &mut Add<'_>| {
             for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
                 let range = scaled.range(k);
-                let Some(first) = places[range.start] else { continue };
+                let Some(first) = numbers[range.start] else { continue };
                 for (c, source) in range.clone().enumerate() {
                     for &(column, w) in scaled.delassus.row(source) {
-                        let Some(place) = places[column] else { continue };
+                        let Some(place) = numbers[column] else { continue };
                         let w = if column == source { w + proximal / scaled.laws()[k].stiffness } else { w };
                         for (a, by_u) in by_u.iter().take(range.len()).enumerate() {
                             add(first + a, place, by_u[c] * w);
@@ -52,27 +52,27 @@ impl<'a> FactoredMatrix<'a> {
             }
         };
         let factors = Factors::new(order, &visit)?;
-        Ok(FactoredMatrix { scaled, blocks, places, factors })
+        Ok(FactoredMatrix { scaled, blocks, numbers, factors })
     }
 
     /// Returns the solution for `b`.
     pub(super) fn solve(&mut self, b: &[f64]) -> Vec<f64> {
         // For an eliminated contact the solution is known: x = b.
         let mut x: Vec<f64> =
-            b.iter().zip(&self.places).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
+            b.iter().zip(&self.numbers).map(|(b, place)| if place.is_some() { 0.0 } else { *b }).collect();
         let known = x.iter().any(|x| *x != 0.0);
         let given = if known { self.scaled.product(&x) } else { vec![0.0; x.len()] };
         let mut rest = Vec::with_capacity(x.len());
         for (k, Linear { by_u, .. }) in self.blocks.iter().enumerate() {
             let range = self.scaled.range(k);
-            if self.places[range.start].is_none() {
+            if self.numbers[range.start].is_none() {
                 continue;
             }
             let given = self.scaled.at(k, &given);
             rest.extend(range.enumerate().map(|(a, row)| b[row] - (0..3).map(|c| by_u[a][c] * given[c]).sum::<f64>()));
         }
         let found = self.factors.solve(&rest);
-        x.iter_mut().zip(&self.places).for_each(|(x, place)| {
+        x.iter_mut().zip(&self.numbers).for_each(|(x, place)| {
             if let Some(place) = place {
                 *x = found[*place];
             }

@@ -191,15 +191,15 @@ fn scenes_come_back_from_their_files() {
             let file = export(&model.problem, dimension, &data, &found.state, &before, Info::default()).unwrap();
             let bytes = file.to_fclib().unwrap();
             let file = ProblemFile::from_bytes("exported", &bytes).unwrap();
-            let told = file.solution.clone().unwrap();
-            let errors = judge(&file.problem, &told).unwrap();
+            let solution = file.solution.clone().unwrap();
+            let errors = judge(&file.problem, &solution).unwrap();
             assert!(errors.is_solved(), "{name}, increment {}: {errors:?}", found.record.index);
             let answer = solve(&file.problem, None).unwrap();
             assert!(answer.is_solved(), "{name}: {answer:?}");
-            close(&answer.solution.r, &told.r, 1e-9);
-            close(&answer.solution.v, &told.v, 1e-9);
+            close(&answer.solution.r, &solution.r, 1e-9);
+            close(&answer.solution.v, &solution.v, 1e-9);
             assert_eq!(file.guesses.len(), 1);
-            touched += told.r.iter().filter(|r| **r != 0.0).count();
+            touched += solution.r.iter().filter(|r| **r != 0.0).count();
 
             // The project's own error measure agrees, in its own scales.
             let kkt = KktErrors::measure(&model.problem, &data, &found.state, &KktScales::default()).unwrap();

@@ -11,7 +11,7 @@ pub enum Scale {
     Decades,
 }
 
-/// The range of an axis and its ticks, in the values of [`Scale::place`].
+/// The range of an axis and its ticks, in the values of [`Scale::map`].
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Ticks {
     pub from: f64,
@@ -42,7 +42,7 @@ impl Ticks {
 
 impl Scale {
     /// Returns the value transformed to the linear coordinate of the axis; `None` if it has none.
-    pub(crate) fn place(self, value: f64) -> Option<f64> {
+    pub(crate) fn map(self, value: f64) -> Option<f64> {
         match self {
             Scale::Linear | Scale::Integers => Some(value),
             Scale::Decades => (value > 0.0).then(|| value.log10()),
@@ -52,7 +52,7 @@ impl Scale {
     /// Returns the ticks for `values`, with about `most` labels and at least the share `margin` free at either end
     /// (half a step between whole numbers). A margin does not extend the axis across zero.
     pub(crate) fn ticks(self, values: impl Iterator<Item = f64>, margin: f64, most: f64) -> Ticks {
-        let places = values.filter_map(|value| self.place(value)).filter(|place| place.is_finite());
+        let places = values.filter_map(|value| self.map(value)).filter(|place| place.is_finite());
         let places = places.map(|place| if place.abs() < 1.0 / FAR { 0.0 } else { place.clamp(-FAR, FAR) });
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
         let (low, high) = if low < high {

@@ -142,7 +142,7 @@ impl Directory {
     }
 
     /// Returns the error for a result file that this program did not write.
-    pub(super) fn foreign(&self, name: &str) -> io::Error {
+    pub(super) fn not_written_here(&self, name: &str) -> io::Error {
         let message = format!("{} already exists, and was not written by stickslip", self.path.join(name).display());
         io::Error::new(io::ErrorKind::AlreadyExists, message)
     }
@@ -280,7 +280,7 @@ impl Locked {
     }
 
     /// Continues with files that are already published.
-    pub(super) fn go_on(&mut self) {
+    pub(super) fn resume(&mut self) {
         self.is_published = true;
     }
 
@@ -413,7 +413,7 @@ impl FolderLock {
         if let (Some((name, _)), Some(table)) = (there, files.first())
             && !directory.begins(table, columns)
         {
-            return Err(directory.foreign(name));
+            return Err(directory.not_written_here(name));
         }
         Ok(FolderLock { _directory: directory })
     }

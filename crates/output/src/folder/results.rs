@@ -1,9 +1,9 @@
 //! The files written by a run, and when.
 
 use super::directory::{self, Directory, Locked};
-use super::kept::{Kept, KeptSolver};
 use super::names::{CHECKPOINT, PAGE, is_head, is_ours};
 use super::series::Series;
+use super::state::{FolderState, KeptSolver};
 use super::table::Table;
 use crate::deformed::DeformedBody;
 use crate::history_chart::history_charts;
@@ -27,7 +27,7 @@ use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
 /// finished.
 #[derive(Debug)]
 pub struct ResultFolder {
-    pub(super) place: Locked,
+    pub(super) folder: Locked,
     /// The units of the files.
     pub(super) units: UnitSystem,
     pub(super) increments: Table,
@@ -53,12 +53,12 @@ pub struct ResultFolder {
 impl ResultFolder {
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.place.directory.path()
+        self.folder.directory.path()
     }
 
     /// Returns the present path if the folder has been moved in the meantime.
     pub fn moved_to(&self) -> Option<PathBuf> {
-        self.place.directory.moved_to()
+        self.folder.directory.moved_to()
     }
 
     /// Adds the record of an increment and, if it converged, the forces at its end: contact forces on the obstacles and
@@ -85,7 +85,7 @@ impl ResultFolder {
             // An interrupted increment has reached nothing.
             return Ok(());
         }
-        self.place.publish(is_head, is_ours)
+        self.folder.publish(is_head, is_ours)
     }
 
     /// Writes a checkpoint, after synchronising everything written so far with the disk.
@@ -106,13 +106,13 @@ impl ResultFolder {
         ended: Option<Status>,
     ) -> io::Result<()> {
         let (origin, linear) = self.of.clone();
-        let kept = Kept { origin, linear, files, fields: self.fields.files().to_vec(), ended };
-        let bytes = checkpoint.with(&kept).to_bytes().map_err(io::Error::other)?;
-        self.place.directory.write(CHECKPOINT, |file| {
+        let state = FolderState { origin, linear, files, fields: self.fields.files().to_vec(), ended };
+        let bytes = checkpoint.with(&state).to_bytes().map_err(io::Error::other)?;
+        self.folder.directory.write(CHECKPOINT, |file| {
             file.write_all(&bytes)?;
             directory::ignore_unsupported(file.sync_data())
         })?;
-        self.place.directory.sync()
+        self.folder.directory.sync()
     }
 
     /// Returns all growing tables.
@@ -124,8 +124,8 @@ impl ResultFolder {
     /// Writes all files to the disk.
     fn sync(&mut self) -> io::Result<()> {
         self.tables().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
-        self.place.sync_files()?;
-        self.place.directory.sync()
+        self.folder.sync_files()?;
+        self.folder.directory.sync()
     }
 
     /// Appends the change of status of a contact node in increment `index` to `events.csv`.
@@ -138,7 +138,7 @@ impl ResultFolder {
             return events.append(&line);
         }
         let header = increments::events_header(model.mesh.dimension);
-        let file = self.place.table("events.csv")?;
+        let file = self.folder.table("events.csv")?;
         self.events.insert(Table::new("events.csv", file, &header)?).append(&line)
     }
 
@@ -198,30 +198,30 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_report(&mut self, report: &RunReport) -> io::Result<bool> {
-        if !self.place.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
+        if !self.folder.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
             return Ok(false);
         }
-        self.place.publish(is_head, is_ours)?;
+        self.folder.publish(is_head, is_ours)?;
         for (name, chart) in history_charts(report) {
             self.draw(&format!("{name}.svg"), chart.to_svg())?;
         }
-        let lists = lists::FILES.map(|name| self.place.directory.read(name));
-        self.place.write("run.json", |file| lists::write(report, lists, file))?;
+        let lists = lists::FILES.map(|name| self.folder.directory.read(name));
+        self.folder.write("run.json", |file| lists::write(report, lists, file))?;
         if let Some(cycle) = &report.cycle {
             self.write("cycle.csv", &cycle.to_csv(&report.units))?;
         }
-        let page = page_of(&self.place.directory).map_err(io::Error::other)?;
+        let page = page_of(&self.folder.directory).map_err(io::Error::other)?;
         self.write(PAGE, &page)?;
         self.sync()?;
         if report.status == Status::Converged {
             let end = Checkpoint::new(report.totals.converged, 0.0, &()).with(&());
-            let names = self.place.directory.names()?.into_iter().map(|(name, _)| name).filter(|name| is_ours(name));
-            let files = names.map(|name| self.place.directory.length(&name).map(|length| (name, length)));
+            let names = self.folder.directory.names()?.into_iter().map(|(name, _)| name).filter(|name| is_ours(name));
+            let files = names.map(|name| self.folder.directory.length(&name).map(|length| (name, length)));
             let files = files.collect::<io::Result<_>>()?;
             self.write_checkpoint(end, files, Some(report.status))?;
         }
         if report.status == Status::Converged || !self.can_be_taken_up {
-            lists::FILES.iter().try_for_each(|name| self.place.directory.remove(name))?;
+            lists::FILES.iter().try_for_each(|name| self.folder.directory.remove(name))?;
         }
         Ok(true)
     }
@@ -236,7 +236,7 @@ impl ResultFolder {
     /// # Errors
     /// When it does not exist.
     pub fn report(&self) -> io::Result<impl Read> {
-        self.place.directory.read("run.json")
+        self.folder.directory.read("run.json")
     }
 
     /// Writes the picture of a contact surface, `contact_NNNN.svg`, named as for a line.
@@ -255,7 +255,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_fields(&mut self, index: usize, time: f64, grid: &Grid) -> io::Result<()> {
-        self.fields.add(&mut self.place, index, time, grid)
+        self.fields.add(&mut self.folder, index, time, grid)
     }
 
     /// Writes a whole file. A reader never sees half of it.
@@ -263,7 +263,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn write(&mut self, name: &str, text: &str) -> io::Result<()> {
-        self.place.write(name, |file| file.write_all(text.as_bytes()))
+        self.folder.write(name, |file| file.write_all(text.as_bytes()))
     }
 
     /// Returns the name of the files of a contact boundary in an increment. It contains the boundary if there are

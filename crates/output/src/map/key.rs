@@ -21,7 +21,7 @@ impl View {
         if self.held {
             entries.push((Sample::Patch(HELD), "held by supports".into()));
         }
-        if self.alone {
+        if self.isolated {
             entries.push((Sample::Patch(ALONE), "nothing in front".into()));
         }
         if self.friction() && self.markers {

@@ -43,7 +43,7 @@ pub(super) struct View {
     /// `true` if supports hold a visible node along the normal.
     pub(super) held: bool,
     /// `true` if nothing is in front of a visible node.
-    pub(super) alone: bool,
+    pub(super) isolated: bool,
     /// The length of the longest arrow, px.
     pub(super) arrow: f64,
     /// `true` if nodes are far enough apart for markers.
@@ -54,7 +54,7 @@ impl View {
     pub(super) fn new(surface: &ContactSurface) -> Self {
         let pressed: Vec<[f64; 2]> =
             surface.patches().filter(|(node, _)| node.pressure > 0.0).flat_map(|(_, corners)| corners).collect();
-        let all = || surface.nodes.iter().map(|node| node.place);
+        let all = || surface.nodes.iter().map(|node| node.position);
         let bounds = |points: &mut dyn Iterator<Item = [f64; 2]>| {
             points.fold([[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]], |[low, high], point| {
                 [[0, 1].map(|c| low[c].min(point[c])), [0, 1].map(|c| high[c].max(point[c]))]
@@ -73,7 +73,7 @@ impl View {
         let margin = 0.08 * (high[0] - low[0]).max(high[1] - low[1]);
         let rubbed = surface.nodes.iter().filter(|node| node.pressure > 0.0 && most_traction > 0.0);
         let tip =
-            |node: &SurfaceNode| [0, 1].map(|c| node.place[c] + ARROW * spacing * node.traction[c] / most_traction);
+            |node: &SurfaceNode| [0, 1].map(|c| node.position[c] + ARROW * spacing * node.traction[c] / most_traction);
         let tips = rubbed.map(tip);
         let [lowest, highest] = bounds(&mut tips.chain([low, high]));
         let low = [0, 1].map(|c| (low[c] - margin).min(lowest[c] - 0.25 * margin));
@@ -87,7 +87,7 @@ impl View {
         let scale = ((WIDTH - LEFT - RIGHT) / across).min(MAX_HEIGHT / upwards);
         let spacing = scale * spacing;
         let visible =
-            || surface.nodes.iter().filter(|node| (0..2).all(|c| (low[c]..=high[c]).contains(&node.place[c])));
+            || surface.nodes.iter().filter(|node| (0..2).all(|c| (low[c]..=high[c]).contains(&node.position[c])));
         let [length, stress] = [Quantity::Length, Quantity::Stress].map(|quantity| surface.units.name(quantity));
         View {
             length,
@@ -99,7 +99,7 @@ impl View {
             bands: Bands::up_to(most(|node| node.pressure)),
             most_traction,
             held: visible().any(|node| node.status.is_none() && node.held),
-            alone: visible().any(|node| node.status.is_none() && !node.held),
+            isolated: visible().any(|node| node.status.is_none() && !node.held),
             arrow: (ARROW * spacing).max(SHORTEST),
             markers: spacing > 16.0,
         }
@@ -217,7 +217,7 @@ mod tests {
     /// A strip of facets along y, of which the middle ones are pressed.
     fn strip(left: f64, width: f64, length: f64) -> ContactSurface {
         let node = |k: usize| SurfaceNode {
-            place: [left + width * (k % 2) as f64, length * (k / 2) as f64 / 10.0],
+            position: [left + width * (k % 2) as f64, length * (k / 2) as f64 / 10.0],
             pressure: if (6..16).contains(&k) { 1e6 } else { 0.0 },
             traction: [0.0; 2],
             status: Some(ContactStatus::Stick),

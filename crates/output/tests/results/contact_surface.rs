@@ -44,9 +44,9 @@ fn stresses_add_up_to_the_forces() {
             assert_eq!(surface.axes, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
             let mut sum = [0.0; 3];
             for node in &surface.nodes {
-                let halves = node.place.iter().filter(|&&x| x == 0.0 || x == 1.0).count();
+                let halves = node.position.iter().filter(|&&x| x == 0.0 || x == 1.0).count();
                 let share = 0.0625 / [1.0, 2.0, 4.0][halves];
-                assert_eq!(node.status.is_none(), node.place[0] == 0.0, "the clamped edge");
+                assert_eq!(node.status.is_none(), node.position[0] == 0.0, "the clamped edge");
                 assert_eq!(node.held, node.status.is_none());
                 assert!(node.status != Some(ContactStatus::Open) || node.pressure.abs() < 1.0);
                 let stress = [node.traction[0], node.traction[1], -node.pressure];

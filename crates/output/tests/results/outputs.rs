@@ -126,10 +126,10 @@ fn strain_energy_is_half_of_what_the_load_would_do_at_once() {
 fn strain_energy_counts_what_supports_and_temperatures_do() {
     let energies = |dimension: usize, cells: &str, change: &dyn Fn(&str) -> String| {
         let scene = Scene::parse("bar.toml", &change(bar(cells, dimension).text()), &[]).unwrap();
-        let mut told = Recording::all();
-        let report = Run::new(&scene).unwrap().solve(&mut told).unwrap();
+        let mut recording = Recording::all();
+        let report = Run::new(&scene).unwrap().solve(&mut recording).unwrap();
         let energies: Vec<f64> = report.increments.iter().map(|record| record.strain_energy).collect();
-        let seen: Vec<f64> = told.increments.iter().map(|increment| increment.record.strain_energy).collect();
+        let seen: Vec<f64> = recording.increments.iter().map(|increment| increment.record.strain_energy).collect();
         assert_eq!((report.status, &energies), (Status::Converged, &seen));
         energies
     };
@@ -187,7 +187,7 @@ fn the_body_before_is_undeformed() {
 struct Parts(Vec<RecordedIncrement>, Vec<RecordedIncrement>);
 
 impl Observer for Parts {
-    fn part(&mut self, part: &IncrementView<'_>) {
+    fn substep(&mut self, part: &IncrementView<'_>) {
         self.0.push(RecordedIncrement::new(part));
     }
 
@@ -208,10 +208,10 @@ fn the_law_can_be_checked_over_each_part() {
     if let Method::Bn { rescue, .. } = &mut settings.method {
         *rescue = false;
     }
-    let mut told = Parts::default();
-    let outcome = history::run(problem, loading, &[1.0, 2.0], &settings, SystemSolver::default(), &mut told).unwrap();
+    let mut parts = Parts::default();
+    let outcome = history::run(problem, loading, &[1.0, 2.0], &settings, SystemSolver::default(), &mut parts).unwrap();
     assert_eq!(outcome.status, Status::Converged);
-    let Parts(parts, ends) = told;
+    let Parts(parts, ends) = parts;
     assert!(!parts.is_empty(), "nothing was halved: the test has lost its case");
     for record in &outcome.records {
         let of_this = || parts.iter().filter(|part| part.record.index == record.index);
@@ -226,7 +226,7 @@ fn the_law_can_be_checked_over_each_part() {
     for part in all {
         let data = part.data();
         // The data in the files: tangential displacements at the end of the previous substep.
-        assert!(part.w_t_last.iter().zip(&w_t).all(|(told, known)| (told - known).abs() <= 1e-18));
+        assert!(part.w_t_last.iter().zip(&w_t).all(|(found, known)| (found - known).abs() <= 1e-18));
         let errors = KktErrors::measure(problem, &data, &part.state, &outcome.scales).unwrap();
         assert!(errors.worst().1 <= 1e-9, "{errors:?}");
         let slip: Vec<f64> = problem.c_t().times(&part.state.u).unwrap();
@@ -274,8 +274,8 @@ fn contact_nodes_have_their_directions() {
                 if dimension == 3 {
                     force += column(&row, "p_o") * along("o");
                 }
-                let told = column(&row, &format!("f_{axis}"));
-                assert!((force - told).abs() <= 1e-12 * point.p_n.abs(), "{force} {told}");
+                let written = column(&row, &format!("f_{axis}"));
+                assert!((force - written).abs() <= 1e-12 * point.p_n.abs(), "{force} {written}");
             }
             pressed += usize::from(point.p_n > 0.0);
         }

@@ -252,8 +252,8 @@ struct Under {
 
 impl Under {
     fn of(plane: &Plane, flat: &Projected, x: [f64; 3]) -> Option<Self> {
-        let (place, from_plane) = plane.place(x);
-        let shape = flat.shape_at(place)?;
+        let (point, from_plane) = plane.coordinates(x);
+        let shape = flat.shape_at(point)?;
         Some(Under { shape, distance: from_plane - flat.height(&shape), from_plane })
     }
 
@@ -395,8 +395,8 @@ impl<'a> Surface<'a> {
         let along = |k: usize| unit(minus(self.mesh.nodes[k], self.mesh.nodes[node]));
         let back = |&(corner, _): &(usize, usize)| -dot(along(corner), along(other));
         let corners = |g: usize| self.corners[g].iter().map(move |&corner| (corner, g));
-        let beyond = self.fan(node, f).into_iter().flat_map(corners).filter(|(corner, _)| *corner != node);
-        beyond.filter(|corner| back(corner) > 0.0).max_by(|a, b| back(a).total_cmp(&back(b)))
+        let others = self.fan(node, f).into_iter().flat_map(corners).filter(|(corner, _)| *corner != node);
+        others.filter(|corner| back(corner) > 0.0).max_by(|a, b| back(a).total_cmp(&back(b)))
     }
 
     /// Returns the facets at `node` that belong to the same smooth surface as facet `f`.
@@ -478,8 +478,8 @@ fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>, unknown
         let length = norm(*x);
         let ([u, v], w) = (axes.map(|axis| dot(axis, *x) / length), dot(about, *x) / length);
         let half = 0.5 * length / mean;
-        let (along, beyond) = across_surface.map_or((half / (u * u + v * v), 0.0), |k| (half, half * k * w * w));
-        let terms = [u, v, along * u * u, 2.0 * along * u * v, along * v * v, w - beyond];
+        let (along, curved) = across_surface.map_or((half / (u * u + v * v), 0.0), |k| (half, half * k * w * w));
+        let terms = [u, v, along * u * u, 2.0 * along * u * v, along * v * v, w - curved];
         for (row, a) in rows.iter_mut().zip(terms) {
             row.iter_mut().zip(terms).for_each(|(sum, b)| *sum += a * b / apart.len() as f64);
         }

@@ -61,8 +61,8 @@ impl Covers {
         };
         for (e, facet) in slave.facets.iter().enumerate() {
             let plane = Plane::of(mesh, facet);
-            let seen = plane.project(mesh, facet);
-            let whole = size(mesh.dimension, &seen);
+            let projected = plane.project(mesh, facet);
+            let whole = size(mesh.dimension, &projected);
             let mut covered = 0.0;
             let mut cover = Cover {
                 share: 0.0,
@@ -74,7 +74,7 @@ impl Covers {
             };
             for f in masters.facing(&mesh.points(facet), plane.normal, search) {
                 let opposite = plane.project(mesh, &master.facets[f]);
-                let Segment { points, too_bent } = segment(mesh.dimension, &seen, whole, &opposite, &rules);
+                let Segment { points, too_bent } = segment(mesh.dimension, &projected, whole, &opposite, &rules);
                 if points.is_empty() && too_bent.is_none() || !points.iter().all(|point| point.gap.abs() <= search) {
                     continue;
                 }
@@ -91,8 +91,8 @@ impl Covers {
                 let sides = [&slave.facets[e], &master.facets[f]];
                 let excess = |edges: bool, point: &Point| {
                     let own = bulges[0].at(mesh, edges, (e, sides[0]), &point.slave);
-                    let beyond = own.distance + bulges[1].at(mesh, edges, (f, sides[1]), &point.master).distance;
-                    point.gap - (own.across(point.gap) - beyond) / own.cosine
+                    let bulge = own.distance + bulges[1].at(mesh, edges, (f, sides[1]), &point.master).distance;
+                    point.gap - (own.across(point.gap) - bulge) / own.cosine
                 };
                 let bulge = |point: &Point| {
                     let with = excess(true, point);
@@ -203,15 +203,15 @@ pub(super) fn least_gap(
     for group in segments.chunk_by(|a, b| a[0] == b[0]) {
         let facet = &slave[group[0][0]];
         let plane = Plane::of(mesh, facet);
-        let seen = plane.project(mesh, facet);
-        let whole = size(mesh.dimension, &seen);
+        let projected = plane.project(mesh, facet);
+        let whole = size(mesh.dimension, &projected);
         let moved = |facet: &[usize], shape: &Values| -> f64 {
             let along = |node: usize| u.get(node).map_or(0.0, |u| dot(plane.normal, *u));
             facet.iter().zip(shape).map(|(&node, n)| n * along(node)).sum()
         };
         for &[_, f] in group {
             // It is of the mesh as it was when the segment was found, so that no facet of it is bent too much.
-            for point in segment(mesh.dimension, &seen, whole, &plane.project(mesh, &master[f]), &rules).points {
+            for point in segment(mesh.dimension, &projected, whole, &plane.project(mesh, &master[f]), &rules).points {
                 let gap = point.gap + moved(&master[f], &point.master) - moved(facet, &point.slave);
                 if least.is_none_or(|least| gap < least.gap) {
                     least = Some(GapAt { gap, at: position(mesh, facet, &point.slave) });
@@ -256,15 +256,15 @@ pub(super) struct FacetShare {
 ///
 /// with integrals over the covered part of the facet. The function of a lost node is added in equal parts to the
 /// functions of the nodes that [`takers`] returns. Empty if the cover is too thin to distinguish the functions.
-pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<FacetShare> {
+pub(super) fn facet_shares(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet<usize>) -> Vec<FacetShare> {
     let (kept, gone): (Vec<usize>, Vec<usize>) = (0..facet.len()).partition(|&i| !lost.contains(&facet[i]));
     let Some(dual) = dual(cover, facet.len()).filter(|_| cover.counts() && !kept.is_empty()) else { return Vec::new() };
     let edges = if gone.is_empty() { Vec::new() } else { mesh.bent_edges(facet) };
     let gone: Vec<(usize, Vec<usize>)> = gone.into_iter().map(|k| (k, takers(facet, &edges, &kept, k))).collect();
-    let part = |&i: &usize| {
-        let taken = gone.iter().filter(|(_, takers)| takers.contains(&i));
+    let share_of = |&i: &usize| {
+        let received = gone.iter().filter(|(_, takers)| takers.contains(&i));
         let terms =
-            || std::iter::once((i, 1.0)).chain(taken.clone().map(|(k, takers)| (*k, 1.0 / takers.len() as f64)));
+            || std::iter::once((i, 1.0)).chain(received.clone().map(|(k, takers)| (*k, 1.0 / takers.len() as f64)));
         let weight = terms().map(|(k, share)| share * cover.functions[k]).sum();
         let slave = terms().map(|(k, share)| (facet[k], share * cover.functions[k]));
         let bulge = cover.bulge.map(|bulge| {
@@ -273,7 +273,7 @@ pub(super) fn parts(mesh: &Mesh, facet: &[usize], cover: &Cover, lost: &BTreeSet
         let psi: Values = std::array::from_fn(|j| terms().map(|(k, share)| share * dual[k][j]).sum());
         FacetShare { node: facet[i], weight, slave: slave.collect(), master: on_master(cover, &psi, weight), bulge }
     };
-    kept.iter().map(part).collect()
+    kept.iter().map(share_of).collect()
 }
 
 /// Returns the nodes of `kept`, by their local numbers, that take the function of the lost node `k` of a facet. On

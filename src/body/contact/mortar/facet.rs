@@ -156,14 +156,14 @@ impl Plane {
         let kind = Kind::of(mesh, facet);
         let mut projected = Projected { kind, at: [[0.0; 2]; MOST], height: [0.0; MOST], straight: true };
         for (k, &node) in facet.iter().enumerate() {
-            (projected.at[k], projected.height[k]) = self.place(mesh.nodes[node]);
+            (projected.at[k], projected.height[k]) = self.coordinates(mesh.nodes[node]);
         }
         projected.straight = projected.is_straight();
         projected
     }
 
     /// Returns the place of `x` in the plane, and its distance from it, m.
-    pub(super) fn place(&self, x: [f64; 3]) -> (Flat, f64) {
+    pub(super) fn coordinates(&self, x: [f64; 3]) -> (Flat, f64) {
         let from = minus(x, self.origin);
         (self.axes.map(|axis| dot(axis, from)), dot(self.normal, from))
     }
@@ -387,9 +387,9 @@ fn common(slave: &Projected, size: f64, master: &Projected, rule: &[([f64; 3], f
     let mut places = Vec::new();
     for window in slave.polygons().into_iter().filter(counterclockwise) {
         for polygon in &masters {
-            let part = clip(polygon.clone(), &window);
-            if area(&part) > NO_PART * size {
-                add_fan(&part, rule, &mut places);
+            let clipped = clip(polygon.clone(), &window);
+            if area(&clipped) > NO_PART * size {
+                add_fan(&clipped, rule, &mut places);
             }
         }
     }
@@ -420,14 +420,14 @@ fn area(polygon: &[Flat]) -> f64 {
 
 /// Clips a polygon to a convex counterclockwise `window` (Sutherland and Hodgman 1974).
 fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
-    let mut part = polygon;
+    let mut clipped = polygon;
     for (k, a) in window.iter().enumerate() {
         let b = window[(k + 1) % window.len()];
         let side = |x: &Flat| (b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]);
-        let mut inside = Vec::with_capacity(part.len() + 1);
-        let Some(mut last) = part.last().copied() else { return part };
+        let mut inside = Vec::with_capacity(clipped.len() + 1);
+        let Some(mut last) = clipped.last().copied() else { return clipped };
         let mut last_side = side(&last);
-        for x in part {
+        for x in clipped {
             let x_side = side(&x);
             if (x_side >= 0.0) != (last_side >= 0.0) {
                 let share = last_side / (last_side - x_side);
@@ -438,9 +438,9 @@ fn clip(polygon: Vec<Flat>, window: &[Flat]) -> Vec<Flat> {
             }
             (last, last_side) = (x, x_side);
         }
-        part = inside;
+        clipped = inside;
     }
-    part
+    clipped
 }
 
 #[cfg(test)]

@@ -52,14 +52,14 @@ pub(super) fn nodal(
 pub(super) fn sums(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<usize, [f64; 3]> {
     let mut sums = BTreeMap::<usize, [f64; 3]>::new();
     for facet in &boundary.facets {
-        for (&node, part) in facet.iter().zip(parts(mesh, facet)) {
+        for (&node, part) in facet.iter().zip(corner_normals(mesh, facet)) {
             sums.entry(node).or_default().iter_mut().zip(part).for_each(|(sum, c)| *sum += c);
         }
     }
     sums
 }
 
-fn parts(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
+fn corner_normals(mesh: &Mesh, facet: &[usize]) -> Vec<[f64; 3]> {
     match Kind::of(mesh, facet) {
         Kind::Edge | Kind::BentEdge | Kind::BentTriangle | Kind::BentQuadrilateral => {
             let normals = facet_normals(mesh, facet);

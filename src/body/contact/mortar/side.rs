@@ -59,7 +59,7 @@ impl Mortar {
     /// The criteria in order: the boundary that supports do not hold; the boundary without nodes beyond the end of the
     /// other; the boundary with more nodes in front of the other, since the law applies at the slave nodes, but with fewer
     /// if the two are curved, since facets of the master move as chords, which nodes between their ends feel; if the numbers
-    /// are about equal, the softer one by the Young's moduli `young` (Pa). A boundary that is `taken`, as the slave of
+    /// are about equal, the softer one by the Young's moduli `young` (Pa). A boundary of `are_slaves`, as the slave of
     /// another contact, is avoided.
     ///
     /// # Errors
@@ -69,7 +69,7 @@ impl Mortar {
         mesh: &Mesh,
         sides: [&Boundary; 2],
         young: [f64; 2],
-        taken: [bool; 2],
+        are_slaves: [bool; 2],
         options: &MortarOptions,
         supports: &dyn Supports,
     ) -> Result<(Self, SlaveChoice), MortarFault> {
@@ -85,7 +85,7 @@ impl Mortar {
             (Err(fault), _) | (_, Err(fault)) => return Err(fault),
         };
         let rows = [first.rows.len(), second.rows.len()];
-        let (slave, reason) = match taken {
+        let (slave, reason) = match are_slaves {
             [true, false] => (1, SlaveReason::OtherTaken),
             [false, true] => (0, SlaveReason::OtherTaken),
             _ => match first.overhangs() {

@@ -35,7 +35,7 @@ struct Face {
     border: Vec<(usize, usize)>,
     /// The bends to faces of the same curved surface, and the distance of this surface from the centre, once they are known.
     bends: Option<Rc<[Bend]>>,
-    beyond: Option<f64>,
+    sagitta: Option<f64>,
 }
 
 /// The bend between two faces.
@@ -62,9 +62,9 @@ impl<'a> Chords<'a> {
 
     /// Returns the distance of the curved surface from the centre of the face of a triangle, m: 0 unless at least two neighbours and
     /// theirs bend alike.
-    pub(in crate::body::contact) fn beyond(&mut self, triangle: usize) -> f64 {
+    pub(in crate::body::contact) fn sagitta(&mut self, triangle: usize) -> f64 {
         let face = self.face(triangle);
-        if let Some(known) = self.faces[face].beyond {
+        if let Some(known) = self.faces[face].sagitta {
             return known;
         }
         let all = self.bends(face);
@@ -73,9 +73,9 @@ impl<'a> Chords<'a> {
             bends.iter().any(|other| other.other != bend.other && alike(other.curvature, bend.curvature))
         };
         let heights = bends.iter().filter(has_like).map(|bend| 0.5 * bend.curvature.abs() * bend.half * bend.half);
-        let beyond = heights.fold(0.0, f64::max);
-        self.faces[face].beyond = Some(beyond);
-        beyond
+        let sagitta = heights.fold(0.0, f64::max);
+        self.faces[face].sagitta = Some(sagitta);
+        sagitta
     }
 
     /// Returns `true` if the face behind a bend bends alike at another of its edges.
@@ -112,7 +112,7 @@ impl<'a> Chords<'a> {
             }
         }
         let centre = moment.map(|c| c / area);
-        self.faces.push(Face { normal, centre, border, bends: None, beyond: None });
+        self.faces.push(Face { normal, centre, border, bends: None, sagitta: None });
         face
     }
 

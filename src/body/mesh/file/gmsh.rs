@@ -196,19 +196,19 @@ fn entities(
                 if dimension > 0 || version == Version::V40 {
                     row.doubles::<3>()?;
                 }
-                let held = row.size()?;
-                let physical = row.list(held, Fields::int)?;
+                let count = row.size()?;
+                let physical = row.list(count, Fields::int)?;
                 if dimension > 0 && row.is_binary() {
-                    let parts = row.size()?;
-                    row.list(parts, Fields::int)?;
+                    let count = row.size()?;
+                    row.list(count, Fields::int)?;
                 }
                 Some((tag, physical))
             })?;
-            let held: &mut Vec<String> = groups.entry((dimension, tag)).or_default();
+            let of_tag: &mut Vec<String> = groups.entry((dimension, tag)).or_default();
             for name in physical.iter().map(|&number| name_of(names, dimension, number)) {
                 // Groups of the same name are merged.
-                if !held.contains(&name) {
-                    held.push(name);
+                if !of_tag.contains(&name) {
+                    of_tag.push(name);
                 }
             }
         }
@@ -402,7 +402,7 @@ fn of_entities(
         let (mut elements, mut listed) = (Vec::new(), HashSet::new());
         for _ in 0..here {
             let all = reader.row(SECTION, "the number of an element and its nodes", |row| {
-                row.rest(1 + kind.nodes(), Fields::size).filter(|all| !all.is_empty())
+                row.read_all(1 + kind.nodes(), Fields::size).filter(|all| !all.is_empty())
             })?;
             let nodes = placed(reader, kind, all[0], &all[1..], indices)?;
             read += 1;
@@ -501,7 +501,7 @@ fn tagged(
                 };
                 let tags = row.list(tags, Fields::int)?;
                 let needed = kind_of(kind).map_or(0, ElementKind::nodes);
-                Some((number, kind, tags, row.rest(needed, Fields::short)?))
+                Some((number, kind, tags, row.read_all(needed, Fields::short)?))
             })?;
             let kind = supported(reader, kind)?;
             let nodes = placed(reader, kind, number, &nodes, indices)?;

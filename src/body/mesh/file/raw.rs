@@ -106,13 +106,13 @@ impl RawMesh {
         let mut used = vec![false; self.nodes.len()];
         let cells = self.blocks.iter().filter(|block| block.kind.dimension() == dimension);
         cells.flat_map(|block| &block.elements).flat_map(|(_, nodes)| nodes).for_each(|&node| used[node] = true);
-        let kept = used.iter().filter(|used| **used).count();
-        let unused = used.len() - kept;
+        let count = used.iter().filter(|used| **used).count();
+        let unused = used.len() - count;
         if unused == 0 {
             return 0;
         }
         let twins = self.twins(&used);
-        let (mut next_used, mut next_unused) = (0, kept);
+        let (mut next_used, mut next_unused) = (0, count);
         let mut places: Vec<usize> = used
             .iter()
             .map(|&used| {
@@ -144,9 +144,9 @@ impl RawMesh {
         let mut order: Vec<(f64, usize)> = (0..used.len()).filter(|&k| used[k]).map(|k| (along(k), k)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let twin = |node: usize| {
-            let place = along(node);
-            let from = order.partition_point(|(other, _)| *other < place - near);
-            let beside = order[from..].iter().take_while(|(other, _)| *other <= place + near);
+            let share = along(node);
+            let from = order.partition_point(|(other, _)| *other < share - near);
+            let beside = order[from..].iter().take_while(|(other, _)| *other <= share + near);
             let mut there = beside
                 .filter(|(_, other)| norm(minus(self.nodes[*other], self.nodes[node])) <= near)
                 .map(|(_, other)| *other);

@@ -56,7 +56,7 @@ impl Extremes {
         Extremes { low: x, high: x }
     }
 
-    fn see(&mut self, x: f64) {
+    fn add(&mut self, x: f64) {
         (self.low, self.high) = (self.low.min(x), self.high.max(x));
     }
 
@@ -107,7 +107,7 @@ impl NodeWatch {
     }
 
     /// Adds a step that ends in this state, with the stress `along` the surface (Pa), and in which friction has done this `work` (J).
-    pub fn see(&mut self, point: &ContactPoint, along: f64, work: f64) {
+    pub fn observe(&mut self, point: &ContactPoint, along: f64, work: f64) {
         let slips = point.status == ContactStatus::Slip;
         self.add(point, along, slips.then_some(work));
     }
@@ -130,7 +130,7 @@ impl NodeWatch {
             let slip = self.slip_to(point);
             let length = slip[0].hypot(slip[1]);
             self.slip = [0, 1].map(|k| self.slip[k] + slip[k]);
-            self.slips.iter_mut().zip(self.slip).for_each(|(slips, slip)| slips.see(slip));
+            self.slips.iter_mut().zip(self.slip).for_each(|(slips, slip)| slips.add(slip));
             self.path += length;
             self.pressed_path += 0.5 * (self.last + point.sigma_n) * length;
             self.work += work;
@@ -138,9 +138,9 @@ impl NodeWatch {
         self.motion = [point.slip_t, point.slip_o];
         self.force = [point.p_t, point.p_o];
         self.last = point.sigma_n;
-        self.pressure.see(point.sigma_n);
-        self.along.see(along);
-        self.traction.iter_mut().zip([point.sigma_t, point.sigma_o]).for_each(|(of, sigma)| of.see(sigma));
+        self.pressure.add(point.sigma_n);
+        self.along.add(along);
+        self.traction.iter_mut().zip([point.sigma_t, point.sigma_o]).for_each(|(of, sigma)| of.add(sigma));
         self.largest_traction = self.largest_traction.max(point.sigma_t.hypot(point.sigma_o));
     }
 

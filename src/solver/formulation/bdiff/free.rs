@@ -39,7 +39,7 @@ impl Bdiff {
         let row = |c: &Csr, i: usize| motions.felt(c.row(i));
         let closed = |i: usize| matches!(self.cases[i], Some((NormalCase::Closed, _)));
         let tangents = |i: usize| [row(&self.data.c_t, i), row(&self.data.c_o, i)];
-        let held = |i: usize| match self.cases[i] {
+        let tangential_rows = |i: usize| match self.cases[i] {
             Some((_, Some(TangentialCase::Stick))) => tangents(i).to_vec(),
             Some((_, Some(TangentialCase::Slip { direction: [t, o], turning }))) if turning != [[0.0; 2]; 2] => {
                 let [along_t, along_o] = tangents(i);
@@ -50,15 +50,15 @@ impl Bdiff {
         };
         let contacts = 0..self.layout().contacts();
         let normal = contacts.clone().filter(|&i| closed(i)).map(|i| row(&self.data.c_n, i));
-        let tangential = contacts.flat_map(held);
+        let tangential = contacts.flat_map(tangential_rows);
         motions.unfelt(normal.chain(tangential))
     }
 
     /// Pins one contact displacement per unconstrained rigid mode, chosen so that the modes can be distinguished.
     pub(super) fn pin_unconstrained_modes(&mut self) {
         self.matrix.release();
-        let unheld = self.unconstrained_modes();
-        if unheld.is_empty() {
+        let modes = self.unconstrained_modes();
+        if modes.is_empty() {
             return;
         }
         let candidates = self.data.contact_displacements();
@@ -66,17 +66,17 @@ impl Bdiff {
             let u = self.data.motion(weights, self.layout().displacements());
             candidates.iter().map(|&place| u[place]).collect()
         };
-        let places = anchors(unheld.iter().map(motion).collect());
-        self.matrix.tie(places.into_iter().map(|k| candidates[k]));
+        let pinned = anchors(modes.iter().map(motion).collect());
+        self.matrix.tie(pinned.into_iter().map(|k| candidates[k]));
     }
 
     /// Adds a small drag against displacements of contact nodes from `z` for good. No motion is rigid then. Returns the drag of
     /// each displacement.
     pub fn drag_from(&mut self, z: &[f64]) -> Vec<f64> {
-        let places = self.data.contact_displacements();
+        let dofs = self.data.contact_displacements();
         let mut drag = vec![0.0; self.layout().displacements()];
-        for &place in &places {
-            drag[place] = self.matrix.drag(place, DRAG / places.len() as f64);
+        for &place in &dofs {
+            drag[place] = self.matrix.drag(place, DRAG / dofs.len() as f64);
             self.data.force[place] += drag[place] * z[place];
         }
         self.data.rigid_modes = Arc::default();
@@ -95,7 +95,7 @@ impl Bdiff {
 
     /// Returns the step from `z` along `dz` at which the first contact node leaves its case in the last
     /// linearisation, or `None` if none ever does. A slip in a plane may turn by a right angle.
-    pub fn reach(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
+    pub fn max_step(&self, z: &[f64], dz: &[f64]) -> Option<f64> {
         let (mut near, mut far) = (0.0, 1.0);
         while self.stays(z, dz, far) {
             (near, far) = (far, 2.0 * far);
@@ -109,21 +109,21 @@ impl Bdiff {
     /// Moves the solution `z` along the unconstrained rigid modes, without a change of cases, as near as possible to
     /// `to` in the displacements of the contact nodes.
     pub fn settled(&self, z: &[f64], to: &[f64]) -> Vec<f64> {
-        let places = self.data.contact_displacements();
-        let product = |a: &[f64], b: &[f64]| places.iter().map(|&k| a[k] * b[k]).sum::<f64>();
+        let dofs = self.data.contact_displacements();
+        let product = |a: &[f64], b: &[f64]| dofs.iter().map(|&k| a[k] * b[k]).sum::<f64>();
         let mut dz = vec![0.0; z.len()];
         let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
-        let mut taken = Vec::<Vec<f64>>::new();
+        let mut orthogonal = Vec::<Vec<f64>>::new();
         for weights in self.unconstrained_modes() {
             let mut motion = self.data.motion(&weights, z.len());
-            for other in &taken {
-                let part = product(&motion, other) / product(other, other);
-                motion.iter_mut().zip(other).for_each(|(u, other)| *u -= part * other);
+            for other in &orthogonal {
+                let projection = product(&motion, other) / product(other, other);
+                motion.iter_mut().zip(other).for_each(|(u, other)| *u -= projection * other);
             }
-            let part = product(&left, &motion) / product(&motion, &motion);
-            dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += part * u);
-            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= part * u);
-            taken.push(motion);
+            let step = product(&left, &motion) / product(&motion, &motion);
+            dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += step * u);
+            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= step * u);
+            orthogonal.push(motion);
         }
         let step = if self.stays(z, &dz, 1.0) { 1.0 } else { self.bisect(z, &dz, 0.0, 1.0).0 };
         z.iter().zip(&dz).map(|(z, dz)| z + step * dz).collect()
@@ -153,7 +153,7 @@ impl Bdiff {
 /// Returns one displacement per mode by which `motions` can be distinguished: the largest entry of each mode after
 /// the modes before it have been eliminated.
 fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
-    let mut places = Vec::with_capacity(motions.len());
+    let mut pinned = Vec::with_capacity(motions.len());
     // The remainder of a linearly dependent motion is rounding.
     let least = |motion: &Vec<f64>| NEGLIGIBLE * motion.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
     let mut motions: Vec<(f64, Vec<f64>)> = motions.into_iter().map(|motion| (least(&motion), motion)).collect();
@@ -163,8 +163,8 @@ fn anchors(motions: Vec<Vec<f64>>) -> Vec<usize> {
             telling.map(move |u| (k, u))
         });
         let largest = entries.max_by(|a, b| a.1.1.abs().total_cmp(&b.1.1.abs()));
-        let Some((k, (place, _))) = largest else { return places };
-        places.push(place);
+        let Some((k, (place, _))) = largest else { return pinned };
+        pinned.push(place);
         let (_, pivot) = motions.swap_remove(k);
         for (_, motion) in &mut motions {
             let factor = motion[place] / pivot[place];
@@ -197,10 +197,10 @@ mod tests {
             vec![0.0, 1.0, 0.0, 1.0, 0.0, 1.0],
             vec![0.0, -0.5, 0.0, 0.0, 0.0, 0.5],
         ];
-        let mut places = anchors(motions);
-        places.sort_unstable();
-        assert_eq!(places.len(), 3);
-        assert!(places.iter().filter(|place| *place % 2 == 1).count() == 2, "{places:?}");
+        let mut pinned = anchors(motions);
+        pinned.sort_unstable();
+        assert_eq!(pinned.len(), 3);
+        assert!(pinned.iter().filter(|place| *place % 2 == 1).count() == 2, "{pinned:?}");
         // A linearly dependent motion has no anchor of its own.
         assert_eq!(anchors(vec![vec![1.0, 2.0], vec![2.0, 4.0]]).len(), 1);
         assert_eq!(anchors(vec![vec![0.1, 0.2, 0.3], vec![0.3, 0.6, 0.9]]).len(), 1);

@@ -174,7 +174,7 @@ fn rims_of_obstacles() {
         assert!((gap - expected).abs() < 1e-14, "{gap} {expected}");
     }
     assert!(alone > 2, "{alone}");
-    assert!(model.contact_boundaries[0].beyond > 0);
+    assert!(model.contact_boundaries[0].unreached > 0);
     let state = solve(&model, model.times(), SolverChoice::default(), &mut ()).state;
     assert!(sums(&state)[0] > 0.0);
 }

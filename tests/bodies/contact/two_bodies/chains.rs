@@ -73,7 +73,7 @@ fn a_block_on_two() {
         .pair("above:bottom", 0.3, ["left:top", "right:top"])
         .support("left:bottom", &[Axis::Y])
         .support("right:bottom", &[Axis::Y])
-        .held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
+        .with_support(Support::new("", &[Axis::X]).at([0.0, 0.0]))
         .load(Load::new("above:top", &[0.0, -1e7]));
     let model = Model::build(&body).unwrap();
     for (method, linear) in all_ways() {
@@ -127,10 +127,10 @@ fn it_does_not_matter_which_support_moves() {
         let all = [("low", [0.0, 0.0], [1.0, 0.4], [5, 2]), ("high", [0.0, 0.4], [1.0, 0.3], [4, 2])];
         let body = blocks(&all, equal_increments(2.0, 4))
             .pair("high:bottom", 0.3, "low:top")
-            .held(Support::new("high:top", &[Axis::X, Axis::Y]).moved(&upper))
-            .held(Support::new("high:left", &[Axis::X]).moved(&upper[..1]))
-            .held(Support::new("low:left", &[Axis::X]).moved(&lower[..1]))
-            .held(Support::new("low:bottom", &[Axis::X, Axis::Y]).moved(&lower));
+            .with_support(Support::new("high:top", &[Axis::X, Axis::Y]).moved(&upper))
+            .with_support(Support::new("high:left", &[Axis::X]).moved(&upper[..1]))
+            .with_support(Support::new("low:left", &[Axis::X]).moved(&lower[..1]))
+            .with_support(Support::new("low:bottom", &[Axis::X, Axis::Y]).moved(&lower));
         let model = Model::build(&body).unwrap();
         let state = solved(&model, solver(Method::BN, LinearAlgebra::condensed()), &mut ()).state;
         let balance = model.balance(2.0, &state).unwrap();
@@ -164,7 +164,7 @@ fn stiff_bodies_that_stay_make_no_forces() {
         let slide = Support::new("high:top", &[Axis::X, Axis::Y]).moved(&[2e-5, -1e-4]);
         let body = Description::new(mesh, material, equal_increments(2.0, 4))
             .pair("high:bottom", 0.1, "low:top")
-            .held(slide.over(&[[0.0, 0.0], [2.0, 1.0]]))
+            .with_support(slide.over(&[[0.0, 0.0], [2.0, 1.0]]))
             .support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
         let mut keep = Keep::default();
@@ -212,7 +212,7 @@ fn slides_by_supports_are_told() {
         let pressed = Support::new("high:top", &[Axis::Y]).moved(&[-1e-4]).over(&[[0.0, 0.0], [1.0, 1.0]]);
         let moved = Support::new("high:top", &[Axis::X]).moved(&[d]).over(&[[1.0, 0.0], [2.0, 1.0]]);
         let body = blocks(&all, equal_increments(2.0, 4)).pair("high:bottom", 0.1, "low:top");
-        let body = body.held(pressed).held(moved).support("low:bottom", &[Axis::X, Axis::Y]);
+        let body = body.with_support(pressed).with_support(moved).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
         report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
@@ -228,8 +228,8 @@ fn forces_beyond_the_end_are_told() {
         let body = blocks(&all, vec![1.0]).pair(slave, 0.3, master).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body.load(Load::new("high:top", &[0.0, -1e5]))).unwrap();
         let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
-        let told = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
-        (report.status == Status::Converged, told)
+        let is_warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
+        (report.status == Status::Converged, is_warned)
     };
     assert_eq!(warned(0.83, "high:bottom", "low:top", 3), (true, true));
     assert_eq!(warned(0.83, "low:top", "high:bottom", 3), (false, false));

@@ -19,7 +19,7 @@ fn overhang(n: usize, second: bool) -> Description {
     ]);
     Description::new(mesh, Material::new(210e9, 0.3), vec![1.0])
         .support("lower:bottom", &[Axis::X, Axis::Y])
-        .held(Support::new("upper:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.002]))
+        .with_support(Support::new("upper:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.002]))
 }
 
 /// The peak pressure changes little with the place of the slave's nodes beside the end of the other body.
@@ -64,7 +64,7 @@ fn forces_beyond_the_end_of_second_order() {
         let body = Description::new(mesh, Material::new(210e9, 0.3), vec![1.0])
             .pair("upper:bottom", 0.3, "lower:top")
             .support("lower:bottom", &axes)
-            .held(Support::new("upper:top", &axes).moved(&down));
+            .with_support(Support::new("upper:top", &axes).moved(&down));
         whole::warns(&run(&body), WarningKind::BeyondTheEnd)
     };
     for counts in [[10, 14], [10, 7], [5, 4], [4, 4], [3, 10]] {

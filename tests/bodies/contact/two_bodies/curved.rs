@@ -129,8 +129,8 @@ fn pressed(shape: Shape, cells: Cells, n: [usize; 2], gap: Option<Field>, inner_
             Shape::Balls => body
                 .support(&at("front"), &[Axis::Y])
                 .support(&at("bottom"), &[Axis::Z])
-                .held(Support::normal(&at("back")))
-                .held(Support::normal(&at("top"))),
+                .with_support(Support::normal(&at("back")))
+                .with_support(Support::normal(&at("top"))),
         }
     })
 }
@@ -394,10 +394,10 @@ fn faceted(body: &Description) -> Option<String> {
 fn pins_with_clearance() {
     for inner_is_slave in [true, false] {
         let (fine, _) = pressed_pin(Cells::SecondOrder, [48, 36], None, inner_is_slave);
-        let (curved, told) = pressed_pin(Cells::Blocks, [24, 18], None, inner_is_slave);
+        let (curved, warning) = pressed_pin(Cells::Blocks, [24, 18], None, inner_is_slave);
         println!("{inner_is_slave}: {fine:?} {curved:?}");
         assert!((curved[0] / fine[0] - 1.0).abs() < 0.05 && (curved[1] / fine[1] - 1.0).abs() < 0.1);
-        assert_eq!(told, None);
+        assert_eq!(warning, None);
     }
 }
 

@@ -28,7 +28,7 @@ fn tension_goes_through() {
             let body = bodies(lower, upper, Some([0.0, 0.5].into()), vec![1.0])
                 .glued(slave, master)
                 .support("lower:bottom", &[Axis::Y])
-                .held(Support::new("", &[Axis::X]).at([0.0, 0.0]))
+                .with_support(Support::new("", &[Axis::X]).at([0.0, 0.0]))
                 .load(Load::new("upper:top", &[0.0, 1e7]));
             let (model, u) = solved(&body);
             assert!(model.contacts.is_empty() && model.rigid_motions.is_empty());
@@ -49,7 +49,7 @@ fn what_is_glued_goes_along() {
     let upper = (MeshSource::block([1.0, 0.5], [3, 2]), 1e9);
     let body = bodies(lower, upper, Some([0.0, 0.5].into()), vec![1.0])
         .glued("upper:bottom", "lower:top")
-        .held(Support::new("lower:top", &[Axis::X, Axis::Y]).moved(&[1e-3, -2e-3]))
+        .with_support(Support::new("lower:top", &[Axis::X, Axis::Y]).moved(&[1e-3, -2e-3]))
         .support("lower:bottom", &[Axis::X, Axis::Y]);
     let (model, u) = solved(&body);
     let apart =
@@ -112,10 +112,10 @@ fn glue_joins_what_is_held_or_carried() {
     let oblique = || Support::along("upper:right", [1.0, 1.0], 0.0);
     let held: [&dyn Fn(Description) -> Description; 5] = [
         &|body| body.coupling(Coupling::rigid("end", "upper:right")),
-        &|body| body.held(Support::new("upper:right", &[Axis::X, Axis::Y]).moved(&[0.01, -0.02])),
+        &|body| body.with_support(Support::new("upper:right", &[Axis::X, Axis::Y]).moved(&[0.01, -0.02])),
         &|body| body.support("upper:right", &[Axis::X, Axis::Y]),
         &|body| body.support("upper:right", &[Axis::Y]),
-        &|body| body.held(oblique()),
+        &|body| body.with_support(oblique()),
     ];
     for (k, held) in held.iter().enumerate() {
         for (slave, master) in [("upper:bottom", "lower:top"), ("lower:top", "upper:bottom")] {
@@ -153,10 +153,10 @@ fn the_moment_across_a_gap_is_told() {
             .load(Load::new("upper:top", &[1e5, 0.0]));
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
-        let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
-        assert_eq!(told.is_some(), warned, "{told:?}");
+        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
+        assert_eq!(warning.is_some(), warned, "{warning:?}");
         let names_gap = |message: &str| message.contains("50.0 mm apart") && !message.contains("rounding");
-        assert!(told.is_none_or(|told| names_gap(&told.message)), "{told:?}");
+        assert!(warning.is_none_or(|told| names_gap(&told.message)), "{warning:?}");
     }
 }
 

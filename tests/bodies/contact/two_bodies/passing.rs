@@ -21,7 +21,7 @@ fn pressed(gap: f64, space: bool) -> Description {
     let down = if space { vec![0.0, 0.0, -0.005] } else { vec![0.0, -0.005] };
     Description::new(mesh, Material::new(70e9, 0.3), vec![1.0])
         .support("lower:bottom", &axes)
-        .held(Support::new("upper:top", &axes).moved(&down))
+        .with_support(Support::new("upper:top", &axes).moved(&down))
 }
 
 /// Bodies that pass through each other without a contact are told, with the place and the depth; with one they do not.
@@ -29,8 +29,8 @@ fn pressed(gap: f64, space: bool) -> Description {
 fn bodies_that_pass_through_each_other() {
     for space in [false, true] {
         let report = run(&pressed(1e-6, space));
-        let told = message(&report, WarningKind::PassedThrough).unwrap();
-        assert!(told.contains("5.00 mm inside") && told.contains("[[contact]]"), "{told}");
+        let warning = message(&report, WarningKind::PassedThrough).unwrap();
+        assert!(warning.contains("5.00 mm inside") && warning.contains("[[contact]]"), "{warning}");
         for slave in [["upper:bottom", "lower:top"], ["lower:top", "upper:bottom"]] {
             let report = run(&pressed(1e-6, space).pair(slave[0], 0.3, slave[1]));
             assert_eq!(message(&report, WarningKind::PassedThrough), None);
@@ -53,13 +53,16 @@ fn a_search_that_is_too_short() {
         let body = Description::new(mesh, Material::new(70e9, 0.3), vec![1.0])
             .pair(slave, 0.3, Opposite::from(master).within(search))
             .support("lower:bottom", &[Axis::X, Axis::Y])
-            .held(Support::new("upper:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.02]));
+            .with_support(Support::new("upper:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.02]));
         run(&body)
     };
     for upper_is_slave in [true, false] {
         let report = wedge(3e-3, upper_is_slave);
-        let told = message(&report, WarningKind::PassedThrough).unwrap();
-        assert!(told.contains("within the search distance of 3.00 mm") && told.contains("contact[0].search"), "{told}");
+        let warning = message(&report, WarningKind::PassedThrough).unwrap();
+        assert!(
+            warning.contains("within the search distance of 3.00 mm") && warning.contains("contact[0].search"),
+            "{warning}"
+        );
         assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PassedThrough), None);
     }
 }
@@ -77,7 +80,7 @@ fn roundings_that_are_given_as_a_gap() {
         ]);
         let body = Description::new(mesh, Material::new(70e9, 0.3), vec![1.0])
             .support("lower:bottom", &[Axis::X, Axis::Y])
-            .held(Support::new("punch:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.015]));
+            .with_support(Support::new("punch:top", &[Axis::X, Axis::Y]).moved(&[0.0, -0.015]));
         match gap {
             Some(gap) => {
                 let against = Opposite { gap: Some(gap.into()), ..Opposite::from("lower:top") };

@@ -30,7 +30,7 @@ fn errors(description: &Description) -> [f64; 2] {
 /// Rollers below, one point of each body held aside.
 fn held(description: Description, points: [[f64; 2]; 2]) -> Description {
     let aside = |point: [f64; 2]| Support::new("", &[Axis::X]).at(point);
-    description.support("lower:bottom", &[Axis::Y]).held(aside(points[0])).held(aside(points[1]))
+    description.support("lower:bottom", &[Axis::Y]).with_support(aside(points[0])).with_support(aside(points[1]))
 }
 
 #[test]
@@ -110,10 +110,10 @@ fn in_space() {
             let point = |axes: &[Axis], point: [f64; 3]| Support::new("", axes).at(point);
             let body = body
                 .support("lower:bottom", &[Axis::Z])
-                .held(point(&[Axis::X, Axis::Y], [0.0, 0.0, 0.0]))
-                .held(point(&[Axis::Y], [1.0, 0.0, 0.0]))
-                .held(point(&[Axis::X, Axis::Y], [0.0, 0.0, 1.0]))
-                .held(point(&[Axis::Y], [1.0, 0.0, 1.0]))
+                .with_support(point(&[Axis::X, Axis::Y], [0.0, 0.0, 0.0]))
+                .with_support(point(&[Axis::Y], [1.0, 0.0, 0.0]))
+                .with_support(point(&[Axis::X, Axis::Y], [0.0, 0.0, 1.0]))
+                .with_support(point(&[Axis::Y], [1.0, 0.0, 1.0]))
                 .load(Load::new("upper:top", &[0.0, 0.0, -PRESSURE]));
             let errors = errors(&body);
             assert!(errors.iter().all(|error| *error < 1e-11), "{kinds:?} {slave:?} {errors:?}");

@@ -45,9 +45,9 @@ fn solve(n: [usize; 2], a: f64, ratio: f64, slave: Side) -> (Model, HistoryOutco
 fn sticks(model: &Model, outcome: &HistoryOutcome) -> f64 {
     let state = &outcome.state;
     let most = largest(&state.p_n);
-    let stuck = (0..state.p_n.len())
+    let sticking = (0..state.p_n.len())
         .filter(|&i| state.p_n[i] > 1e-6 * most && state.p_t[i].abs() < (1.0 - 1e-6) * MU * state.p_n[i]);
-    stuck.map(|i| model.contacts[i].position[0].abs()).fold(0.0, f64::max)
+    sticking.map(|i| model.contacts[i].position[0].abs()).fold(0.0, f64::max)
 }
 
 /// Slave, iterations, shear on the axis and largest shear over μ p0, largest pressure over p0, where the last nodes stick over a.

@@ -25,7 +25,7 @@ fn press_fit(kind: CellKind, shaft_is_slave: bool, pushed: &str) -> Description 
     Description::new(mesh, material, equal_increments(2.0, 4))
         .pair(slave, MU, Opposite::from(master).apart(-5e-6))
         .support("hub:bottom", &[Axis::Y])
-        .held(push)
+        .with_support(push)
 }
 
 /// The forces on the master along x and along the push.
@@ -75,7 +75,7 @@ fn slide(lower: usize, upper: usize, lower_is_slave: bool, way: (Method, LinearA
         .support("lower:bottom", &[Axis::X, Axis::Y, Axis::Z])
         .support("lower:left", &[Axis::X])
         .support("upper:top", &[Axis::Y])
-        .held(slide)
+        .with_support(slide)
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]).over(&[[0.0, 0.0], [1.0, 1.0]]));
     let report = whole::report(&body, way.0, way.1);
     let force = &report.boundaries[0].force;
@@ -87,8 +87,8 @@ fn slide(lower: usize, upper: usize, lower_is_slave: bool, way: (Method, LinearA
 fn a_block_slides_over_a_side_that_is_held() {
     for way in ways() {
         for lower_is_slave in [true, false] {
-            let (along, normal, told) = slide(2, 3, lower_is_slave, way);
-            assert!((normal / 1e7 - 1.0).abs() < 1e-9 && !told, "{way:?} {normal}");
+            let (along, normal, warning) = slide(2, 3, lower_is_slave, way);
+            assert!((normal / 1e7 - 1.0).abs() < 1e-9 && !warning, "{way:?} {normal}");
             assert!((along / (0.3 * normal) - 1.0).abs() < 1e-3, "{way:?} {lower_is_slave} {along} {normal}");
         }
     }
@@ -98,8 +98,8 @@ fn a_block_slides_over_a_side_that_is_held() {
 #[test]
 fn held_nodes_in_front_of_few_others() {
     for way in ways() {
-        let (along, normal, told) = slide(4, 2, true, way);
-        assert!((normal / 1e7 - 1.0).abs() < 1e-9 && !told, "{way:?} {normal}");
+        let (along, normal, warning) = slide(4, 2, true, way);
+        assert!((normal / 1e7 - 1.0).abs() < 1e-9 && !warning, "{way:?} {normal}");
         assert!((along / (0.3 * normal) - 1.0).abs() < 1e-8, "{way:?} {along} {normal}");
     }
 }
@@ -138,7 +138,7 @@ fn friction_that_is_left_out_is_told() {
         let body =
             Description::new(MeshSource::block([1.0, 0.5], [4, 2]), Material::new(70e9, 0.3), equal_increments(2.0, 4))
                 .contact("bottom", 0.3, Obstacle::plane(0.0))
-                .held(slide)
+                .with_support(slide)
                 .load(Load::new("top", &[0.0, -1e7]).over(&[[0.0, 0.0], [1.0, 1.0]]));
         let report = whole::report(&body, Method::BN, LinearAlgebra::Whole(SparseLu::default()));
         report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FrictionLeftOut).map(|w| w.message)

@@ -24,7 +24,7 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
             } else {
                 format!(" (graded {})", each(&|segment| format!("1 : {}", segment.grading), ", ", ", "))
             };
-            let from = origin.map_or(String::new(), |origin| format!(" from {}", units.place(origin.components())));
+            let from = origin.map_or(String::new(), |x| format!(" from {}", units.point(x.components())));
             format!("block {lengths}{from}, {elements}{graded}")
         }
         MeshSource::HalfPlane(HalfPlane {
@@ -36,8 +36,8 @@ pub(super) fn made(source: &MeshSource, model: &Model) -> String {
         MeshSource::File { file, scale, .. } => {
             // The extent reveals a forgotten scale. Six digits hide the rounding of a difference.
             let extent = |x: &f64| {
-                let told = units.of_si(Quantity::Length, *x);
-                let rounded: f64 = format!("{told:.5e}").parse().unwrap_or(told);
+                let value = units.of_si(Quantity::Length, *x);
+                let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
                 format!("{rounded} {}", units.name(Quantity::Length))
             };
             let lengths = model.mesh.extent()[..model.mesh.dimension].iter().map(extent).collect::<Vec<_>>();
@@ -57,7 +57,7 @@ pub(super) fn bodies(source: &MeshSource, model: &Model) -> Vec<String> {
     let bodies = model.mesh.bodies();
     if let MeshSource::Bodies(given) = source {
         for body in given {
-            let at = body.at.map_or(String::new(), |at| format!(", put at {}", model.units().place(at.components())));
+            let at = body.at.map_or(String::new(), |at| format!(", put at {}", model.units().point(at.components())));
             let made = match &body.mesh {
                 MeshSource::File { file, scale, .. } => {
                     format!("{}, unit {}", file.display(), model.units().text(Quantity::Length, *scale))

@@ -1,7 +1,7 @@
 //! Describes obstacles.
 
 use super::histories::points;
-use super::words::{number, told, vector};
+use super::words::{number, rounded, vector};
 use stickslip::algebra::Vector;
 use stickslip::base::Quantity;
 use stickslip::body::Model;
@@ -32,7 +32,7 @@ pub(super) fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
     let mut motions = Vec::new();
     let units = model.units();
     if let Some(approach) = &obstacle.approach {
-        let distance = |d: &[f64]| told(&units, Quantity::Length, d[0]);
+        let distance = |d: &[f64]| rounded(&units, Quantity::Length, d[0]);
         motions.push(format!("moves in by {}", points(approach, distance)));
     }
     if obstacle.translation.is_some() {
@@ -48,14 +48,14 @@ pub(super) fn motions(model: &Model, obstacle: &Obstacle) -> Vec<String> {
 /// Describes a shape and its position.
 pub(super) fn shape(model: &Model, given: &Obstacle, placed: &PlacedObstacle) -> String {
     let units = model.units();
-    let place = |x: &Vector| units.place(x.components());
+    let place = |x: &Vector| units.point(x.components());
     let length = |x: f64| units.text(Quantity::Length, x);
     let round = |kind: &str, radius: f64, at: &Place| match at {
         Place::Apex(apex) => format!("{kind}, radius {}, apex {}", length(radius), place(apex)),
         Place::Center(center) => format!("{kind}, radius {}, center {}", length(radius), place(center)),
     };
     match &given.shape {
-        Shape::Plane { gap } => format!("plane at {}", told(&units, Quantity::Length, *gap)),
+        Shape::Plane { gap } => format!("plane at {}", rounded(&units, Quantity::Length, *gap)),
         Shape::PlaneThrough { through } => format!("plane through {}", place(through)),
         Shape::Cylinder { radius, place, .. } => round("cylinder", *radius, place),
         Shape::Bore { radius, place, .. } => round("bore", *radius, place),

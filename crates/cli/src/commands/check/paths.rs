@@ -14,8 +14,8 @@ pub(super) fn paths(scene: &Scene, model: &Model, budget: Option<Budget>) -> Res
     let (method, increments) = (scene.solver.method, model.times().len());
     let unsuited = unsuited(model, method);
     let ranks = rank_count();
-    let means = AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
-    let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, means)?;
+    let has = AvailableSolvers { available: budget.map(|budget| budget.bytes), multigrid: unsuited.is_none(), ranks };
+    let choice = Choice::cheapest(&model.problem, &InitialWorkingSet::default(), method, increments, has)?;
     let linear = scene.solver.linear.unwrap_or(choice.linear);
     let need = match choice.paths().iter().find(|path| path.linear == linear) {
         Some(path) => MemoryEstimate::of_path(model, path),

@@ -25,19 +25,19 @@ fn shortened(text: &str) -> String {
 }
 
 /// Formats a number of SI units in few digits, in the chosen units.
-pub(super) fn told(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
+pub(super) fn rounded(units: &UnitSystem, quantity: Quantity, x: f64) -> String {
     shortened(&units.rounded(quantity, x, DIGITS))
 }
 
 /// Formats components in few digits, in the chosen units.
 pub(super) fn vector(units: &UnitSystem, quantity: Quantity, x: &[f64]) -> String {
-    let told: Vec<f64> = x.iter().map(|x| units.of_si(quantity, *x)).collect();
-    format!("({}) {}", numbers(&told), units.name(quantity))
+    let values: Vec<f64> = x.iter().map(|x| units.of_si(quantity, *x)).collect();
+    format!("({}) {}", numbers(&values), units.name(quantity))
 }
 
 /// Formats numbers in few digits, separated by commas. Rounding beside the largest is 0.
 fn numbers(x: &[f64]) -> String {
     let largest = x.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let told = |x: &f64| number(if x.abs() <= 1e-13 * largest { 0.0 } else { *x });
-    x.iter().map(told).collect::<Vec<_>>().join(", ")
+    let format = |x: &f64| number(if x.abs() <= 1e-13 * largest { 0.0 } else { *x });
+    x.iter().map(format).collect::<Vec<_>>().join(", ")
 }

@@ -22,14 +22,14 @@ pub(super) enum Left {
 }
 
 impl Left {
-    /// Returns what `claim` holds for a scene of this `origin`. Returns an error if something has changed since.
-    pub(super) fn of(claim: &LockedOutputDir, origin: &Provenance, args: &RunArgs) -> Result<Option<Self>, Failure> {
-        let path = claim.path().display();
-        if args.results.resume && claim.is_damaged() {
+    /// Returns what `lock` holds for a scene of this `origin`. Returns an error if something has changed since.
+    pub(super) fn of(lock: &LockedOutputDir, origin: &Provenance, args: &RunArgs) -> Result<Option<Self>, Failure> {
+        let path = lock.path().display();
+        if args.results.resume && lock.is_damaged() {
             let damaged = "cannot be read: it is damaged, or of another build";
             return Err(Failure::input(format!("the checkpoint in {path} {damaged}"), ANEW));
         }
-        let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = claim.left() else {
+        let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = lock.left() else {
             if args.results.resume && !args.printed.json {
                 say!("resume       no earlier run was found: a new run begins");
             }
@@ -53,7 +53,7 @@ impl Left {
             return Err(Failure::input(format!("the run in {path} is a different one: {what}"), ANEW));
         };
         if let Some(status) = ended {
-            if let Some(name) = claim.lacks() {
+            if let Some(name) = lock.lacks() {
                 let message = format!("the run in {path} is complete, but {name} is missing or was shortened");
                 return Err(Failure::input(message, "run without --resume to start a new run"));
             }

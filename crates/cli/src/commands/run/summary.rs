@@ -255,7 +255,7 @@ fn percent(share: f64) -> String {
 
 /// Formats a place with few digits.
 fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
-    units.place(place.map(six_digits))
+    units.point(place.map(six_digits))
 }
 
 /// Prints the errors that mesh and increments leave.

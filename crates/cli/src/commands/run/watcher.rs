@@ -64,9 +64,9 @@ impl Watcher<'_> {
     /// last one, and one that failed.
     fn is_shown(&self, step: &IncrementView<'_>) -> bool {
         let stride = self.wanted.len().div_ceil(MAX_STATES);
-        let place = self.wanted.binary_search(&step.record.index);
+        let index = self.wanted.binary_search(&step.record.index);
         step.record.status != Status::Converged
-            || place.is_ok_and(|place| (self.wanted.len() - 1 - place).is_multiple_of(stride))
+            || index.is_ok_and(|place| (self.wanted.len() - 1 - place).is_multiple_of(stride))
     }
 
     fn probe(&mut self, step: &IncrementView<'_>) -> io::Result<()> {
@@ -112,7 +112,7 @@ impl Observer for Watcher<'_> {
         }
     }
 
-    fn part(&mut self, part: &IncrementView<'_>) {
+    fn substep(&mut self, part: &IncrementView<'_>) {
         let is_wanted = self.is_wanted(part);
         if let (Some(folder), true) = (&mut self.folder, is_wanted && self.failed_write.is_none()) {
             let mut lines = ContactLine::all(self.model, part).into_iter();

@@ -64,7 +64,7 @@ impl Processes<'_> {
 
     /// Returns the result of an earlier try if it is complete and of the scene of `task`; a renamed folder may hold
     /// another scene.
-    pub(super) fn kept(&self, task: &Task) -> Option<VariantResult> {
+    pub(super) fn stored(&self, task: &Task) -> Option<VariantResult> {
         let outcome = self.read(&self.whole(&task.fingerprint).join("run.json"))?;
         (outcome.is_final() && outcome.scene_text.as_ref() == Some(&task.text)).then_some(outcome)
     }
@@ -76,12 +76,12 @@ impl Processes<'_> {
             return outcome;
         }
         // A folder without a complete report is no result.
-        if self.kept(task).is_none() {
+        if self.stored(task).is_none() {
             remove(&whole);
         }
         match fs::rename(&partial, &whole) {
             // Another sweep may have finished first.
-            Err(error) if self.kept(task).is_none() => {
+            Err(error) if self.stored(task).is_none() => {
                 VariantResult::failed("machine-failure", &format!("the results cannot be kept: {error}"))
             }
             _ => outcome,

@@ -293,10 +293,10 @@ impl Model {
     fn boundaries(&mut self, dimension: usize, left: &mut usize) -> Option<Vec<Named>> {
         let outer = outer(&self.elements, dimension);
         let mut boundaries: Vec<Named> = Vec::new();
-        let mut places = HashMap::new();
+        let mut index_of = HashMap::new();
         let mut add = |name: &str, found: Vec<(usize, usize)>| {
             *left = left.checked_sub(found.len())?;
-            let k = *places.entry(name.to_string()).or_insert_with(|| {
+            let k = *index_of.entry(name.to_string()).or_insert_with(|| {
                 boundaries.push((name.to_string(), Vec::new()));
                 boundaries.len() - 1
             });
@@ -332,10 +332,10 @@ impl Model {
         for (name, sides) in &mut boundaries {
             // An element of a lower dimension in the ELSET of this name is the same side.
             let skin = self.element_sets.indices(name, &self.element_indices).into_iter();
-            let mut seen: HashSet<Facet> = skin.map(|e| sorted(&self.elements[e].nodes)).collect();
+            let mut known: HashSet<Facet> = skin.map(|e| sorted(&self.elements[e].nodes)).collect();
             sides.retain(|&(e, k)| {
                 let Element { kind, nodes, .. } = &self.elements[e];
-                seen.insert(sorted(&kind.sides()[k].iter().map(|&k| nodes[k]).collect::<Vec<_>>()))
+                known.insert(sorted(&kind.sides()[k].iter().map(|&k| nodes[k]).collect::<Vec<_>>()))
             });
         }
         self.mesh.remarks.extend(points);

@@ -87,7 +87,7 @@ impl Fields<'_> {
     }
 
     /// Returns all further integers of a line, or the next `count` in a binary file.
-    pub(super) fn rest<T>(&mut self, count: usize, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
+    pub(super) fn read_all<T>(&mut self, count: usize, one: impl Fn(&mut Self) -> Option<T>) -> Option<Vec<T>> {
         let count = match self {
             Fields::Text(words) => words.clone().count(),
             Fields::Bytes { .. } => count,

@@ -63,36 +63,36 @@ impl Bn {
         z: &mut [f64],
         end: &mut StopCriterion<'_>,
     ) -> Result<bool, LinearError> {
-        let mut best = end.measure(z, &self.rest)?;
+        let mut best = end.measure(z, &self.z_lo)?;
         let most = if formulation.has_dependent_nodes() { PROXIMAL_STEPS } else { REFINEMENTS };
         for _ in 0..most {
             formulation.refer_to(z);
-            formulation.residual_beyond(z, &self.rest, &mut self.h)?;
+            formulation.residual_dd(z, &self.z_lo, &mut self.h)?;
             if self.direction(formulation, linear, false)?.is_err() {
                 break;
             }
-            let corrected = z.iter().zip(&self.rest).zip(&self.dz).map(|((z, rest), dz)| sum(*z, rest + dz));
-            let (candidate, rest): (Vec<f64>, Vec<f64>) = corrected.unzip();
-            let reached = end.measure(&candidate, &rest)?;
+            let corrected = z.iter().zip(&self.z_lo).zip(&self.dz).map(|((z, z_lo), dz)| sum(*z, z_lo + dz));
+            let (candidate, z_lo): (Vec<f64>, Vec<f64>) = corrected.unzip();
+            let reached = end.measure(&candidate, &z_lo)?;
             if reached.is_none_or(f64::is_nan) || reached >= best {
                 break;
             }
             z.copy_from_slice(&candidate);
-            self.rest = rest;
+            self.z_lo = z_lo;
             best = reached;
-            if end.met(f64::INFINITY, best) {
+            if end.is_met(f64::INFINITY, best) {
                 break;
             }
         }
-        Ok(end.met(f64::INFINITY, best))
+        Ok(end.is_met(f64::INFINITY, best))
     }
 
     /// Moves along the unconstrained mode in the last direction until the first contact node changes its case. Returns the
-    /// reason to stop if there is no such mode, if none does, or if the solution is `met`.
-    pub(super) fn motion_ahead(&self, formulation: &Bdiff, z: &mut [f64], met: bool) -> Option<Termination> {
+    /// reason to stop if there is no such mode, if none does, or if the solution is `converged`.
+    pub(super) fn motion_ahead(&self, formulation: &Bdiff, z: &mut [f64], converged: bool) -> Option<Termination> {
         let Some(mode) = formulation.unconstrained_mode() else { return Some(Termination::Stalled) };
-        let reach = if met { None } else { formulation.reach(z, &self.dz) };
-        let Some(step) = reach else { return Some(Termination::Unconstrained(mode)) };
+        let max_step = if converged { None } else { formulation.max_step(z, &self.dz) };
+        let Some(step) = max_step else { return Some(Termination::Unconstrained(mode)) };
         z.iter_mut().zip(&self.dz).for_each(|(z, dz)| *z += step * dz);
         None
     }

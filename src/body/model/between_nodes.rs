@@ -83,22 +83,22 @@ impl Model {
             let outsides = self.mesh.boundary(&boundary.name).map(|facets| outsides(&self.mesh, facets));
             for &i in &boundary.nodes {
                 let (node, x) = (self.contacts[i].node, self.contacts[i].position);
-                let met = self.met(i, t).map(|(k, _)| k);
+                let assigned = self.assigned(i, t).map(|(k, _)| k);
                 let Some(outside) = outsides.as_ref().and_then(|outsides| outsides.get(&node)) else { continue };
-                for (k, (obstacle, motion)) in self.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != met) {
+                for (k, (obstacle, motion)) in self.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != assigned) {
                     let own = boundary.obstacles.contains(&k);
                     let may_come = obstacle.is_bounded() && self.is_carried_along(k, node);
                     if !(own || may_come) {
                         continue;
                     }
-                    let seen = |t: f64, moved: [f64; 3]| {
+                    let depth_at = |t: f64, moved: [f64; 3]| {
                         let (back, out) = motion.back(t, moved, *outside);
                         let (distance, normal) = obstacle.nearest(back, x);
                         (distance < 0.0 && dot(out, normal) > OUT * norm(out)).then_some((-distance, back))
                     };
-                    let Some((depth, back)) = seen(t, plus(x, 1.0, displacements[node])) else { continue };
+                    let Some((depth, back)) = depth_at(t, plus(x, 1.0, displacements[node])) else { continue };
                     let small = depth <= noise + DISTANCE_ROUNDING * (norm(x) + norm(back));
-                    if !small && deepest.is_none_or(|last| depth > last.depth) && (own || seen(0.0, x).is_none()) {
+                    if !small && deepest.is_none_or(|last| depth > last.depth) && (own || depth_at(0.0, x).is_none()) {
                         deepest = Some(Overlap { contact: i, obstacle: k, depth });
                     }
                 }
@@ -111,7 +111,7 @@ impl Model {
     fn is_carried_along(&self, k: usize, node: usize) -> bool {
         let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contacts[i].node);
-        first.is_some_and(|first| self.carrying.of_node[first] == self.carrying.of_node[node])
+        first.is_some_and(|first| self.groups.of_node[first] == self.groups.of_node[node])
     }
 
     /// Returns the point of a contact facet at which the distance of the obstacle differs most from the interpolated
@@ -139,18 +139,18 @@ impl Model {
             let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
-                let mean = |place: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
-                    place.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
+                let mean = |point: &[(usize, f64)], of: &dyn Fn(usize) -> [f64; 3]| {
+                    point.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, of(*node)))
                 };
-                let see = |place: &[(usize, f64)]| {
-                    let x = mean(place, &|node| self.mesh.nodes[node]);
-                    self.see(boundary, t, x, mean(place, &|node| displacements[node]), outward)
+                let nearest_at = |point: &[(usize, f64)]| {
+                    let x = mean(point, &|node| self.mesh.nodes[node]);
+                    self.nearest_obstacle(boundary, t, x, mean(point, &|node| displacements[node]), outward)
                 };
                 let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
                 for node in facet {
-                    at_nodes.entry(*node).or_insert_with(|| see(&[(*node, 1.0)]));
+                    at_nodes.entry(*node).or_insert_with(|| nearest_at(&[(*node, 1.0)]));
                 }
-                for (edges, places) in parts(facet, self.mesh.dimension) {
+                for (edges, places) in pieces(facet, self.mesh.dimension) {
                     let along = |[a, b]: [usize; 2]| minus(self.mesh.nodes[b], self.mesh.nodes[a]);
                     let arc = |edge: [usize; 2]| {
                         let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
@@ -162,7 +162,7 @@ impl Model {
                     let arcs = edges.iter().map(|edge| arc(*edge)).sum::<f64>() / twice;
                     let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
                     for place in places {
-                        let there = see(&place).distance;
+                        let there = nearest_at(&place).distance;
                         let said: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
                         let missed = if touches && !said.is_nan() { (there - said).abs() } else { -there };
                         let position = mean(&place, &|node| self.mesh.nodes[node]);
@@ -179,7 +179,7 @@ impl Model {
 
     /// Returns the nearest obstacle at time `t` (s) as seen from a point at `x` displaced by `u` (m), on a facet of
     /// `boundary` with the outward vector `outward`.
-    pub(crate) fn see(
+    pub(crate) fn nearest_obstacle(
         &self,
         boundary: &ContactBoundary,
         t: f64,
@@ -223,8 +223,8 @@ impl Model {
     ///
     /// A motion in one direction along any path does neither, since the obstacle stays between the two positions of the
     /// node.
-    pub fn on_the_way(&self, times: [f64; 2], states: [&State; 2]) -> Option<OnTheWay> {
-        let mut worst: Option<OnTheWay> = None;
+    pub fn passed_node(&self, times: [f64; 2], states: [&State; 2]) -> Option<PassedNode> {
+        let mut worst: Option<PassedNode> = None;
         for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
             let outsides = outsides(&self.mesh, facets);
@@ -238,9 +238,9 @@ impl Model {
                     let Some(outside) = outsides.get(&node) else { continue };
                     // Displacements that are not small change the distance, but not that of the contact row.
                     let [first, last] = [0, 1].map(|end| {
-                        let see = |t: f64| self.see(boundary, t, x, ends[end][node], *outside).distance;
+                        let at = |t: f64| self.nearest_obstacle(boundary, t, x, ends[end][node], *outside).distance;
                         let (gap, w_n) = &rows[end];
-                        see(t) - see(times[end]) + gap[i] - w_n[i]
+                        at(t) - at(times[end]) + gap[i] - w_n[i]
                     });
                     let touches = states.iter().zip(pressed).all(|(state, least)| state.p_n[i] > least);
                     let distance = if first < 0.0 && last < 0.0 {
@@ -251,7 +251,7 @@ impl Model {
                         continue;
                     };
                     if worst.is_none_or(|worst| distance.abs() > worst.distance.abs()) {
-                        worst = Some(OnTheWay { contact: i, time: times[1], distance });
+                        worst = Some(PassedNode { contact: i, time: times[1], distance });
                     }
                 }
             }
@@ -262,7 +262,7 @@ impl Model {
 
 /// Returns the parts of a facet, each with its edges and points on it: in two dimensions the lines from node to node,
 /// in three dimensions the whole facet.
-fn parts(facet: &[usize], dimension: usize) -> Vec<(Vec<[usize; 2]>, Vec<Place>)> {
+fn pieces(facet: &[usize], dimension: usize) -> Vec<(Vec<[usize; 2]>, Vec<Place>)> {
     let on_edge = |[a, b]: [usize; 2]| PLACES.map(|share| vec![(a, 1.0 - share), (b, share)]);
     if dimension == 2 {
         return facet
@@ -285,7 +285,7 @@ fn parts(facet: &[usize], dimension: usize) -> Vec<(Vec<[usize; 2]>, Vec<Place>)
 
 /// A node that an obstacle passes through within an increment, or leaves although it touches the node at both ends.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct OnTheWay {
+pub struct PassedNode {
     /// The number of the contact node.
     pub contact: usize,
     /// The end of the increment, s.

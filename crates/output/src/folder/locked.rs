@@ -1,10 +1,10 @@
 //! A result folder before a run writes to it: its lock and the state left by an earlier run.
 
 use super::directory::{Directory, Locked};
-use super::kept::{Kept, KeptSolver};
 use super::names::{CHECKPOINT, PAGE, is_ours};
 use super::results::ResultFolder;
 use super::series::Series;
+use super::state::{FolderState, KeptSolver};
 use super::table::Table;
 use crate::view::{self, View};
 use crate::{file_names, increments, lists};
@@ -19,8 +19,8 @@ use stickslip::solver::{Checkpoint, CheckpointError};
 /// A locked folder to which nothing has been written yet.
 #[derive(Debug)]
 pub struct LockedOutputDir {
-    place: Locked,
-    kept: Option<(Checkpoint, Kept)>,
+    folder: Locked,
+    earlier: Option<(Checkpoint, FolderState)>,
     is_damaged: bool,
 }
 
@@ -32,26 +32,26 @@ impl LockedOutputDir {
     /// When the folder cannot be created or written, when another run writes there ([`io::ErrorKind::ResourceBusy`]),
     /// and when it contains files with the names of results that no run wrote.
     pub fn new(path: &Path) -> io::Result<Self> {
-        let place = Locked::open(path, may_take)?;
-        refuse_folders(&place.directory)?;
-        let kept = place.directory.read(CHECKPOINT).and_then(|mut file| {
+        let folder = Locked::open(path, may_take)?;
+        refuse_folders(&folder.directory)?;
+        let stored = folder.directory.read(CHECKPOINT).and_then(|mut file| {
             let mut bytes = Vec::new();
             file.read_to_end(&mut bytes).map(|_| bytes)
         });
-        let (kept, is_damaged) = match kept {
+        let (earlier, is_damaged) = match stored {
             Ok(bytes) => {
-                let kept = Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint)));
-                let is_damaged = kept.is_err();
-                (kept.ok(), is_damaged)
+                let read = Checkpoint::from_bytes(&bytes).and_then(|checkpoint| Ok((checkpoint.part(2)?, checkpoint)));
+                let is_damaged = read.is_err();
+                (read.ok(), is_damaged)
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => (None, false),
             Err(error) => return Err(error),
         };
         // The run may have been killed before it could remove them.
-        if kept.as_ref().is_some_and(|(kept, _): &(Kept, _)| kept.ended.is_some()) {
-            lists::FILES.iter().try_for_each(|name| place.directory.remove(name))?;
+        if earlier.as_ref().is_some_and(|(earlier, _): &(FolderState, _)| earlier.ended.is_some()) {
+            lists::FILES.iter().try_for_each(|name| folder.directory.remove(name))?;
         }
-        Ok(LockedOutputDir { place, kept: kept.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
+        Ok(LockedOutputDir { folder, earlier: earlier.map(|(kept, checkpoint)| (checkpoint, kept)), is_damaged })
     }
 
     /// Returns `true` if an earlier run has left a checkpoint that cannot be read: it is damaged, or of another build.
@@ -61,7 +61,7 @@ impl LockedOutputDir {
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.place.directory.path()
+        self.folder.directory.path()
     }
 
     /// Opens the report in the folder.
@@ -69,21 +69,21 @@ impl LockedOutputDir {
     /// # Errors
     /// When there is none.
     pub fn report(&self) -> io::Result<impl Read> {
-        self.place.directory.read("run.json")
+        self.folder.directory.read("run.json")
     }
 
     /// Returns the checkpoint of an earlier run, if any, with the identification of the run, its linear solver, and its verdict if it has finished.
     pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &KeptSolver, Option<Status>)> {
-        let (checkpoint, kept) = self.kept.as_ref()?;
-        Some((checkpoint, &kept.origin, &kept.linear, kept.ended))
+        let (checkpoint, earlier) = self.earlier.as_ref()?;
+        Some((checkpoint, &earlier.origin, &earlier.linear, earlier.ended))
     }
 
     /// Returns the first file of a finished run that is missing, or shorter than the run has left it.
     pub fn lacks(&self) -> Option<&str> {
-        let (_, kept) = self.kept.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
-        let is_short = |name: &str, length| self.place.directory.length(name).map_or(true, |now| now < length);
+        let (_, earlier) = self.earlier.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
+        let is_short = |name: &str, length| self.folder.directory.length(name).map_or(true, |now| now < length);
         // The page can be made again, by other versions too.
-        let needed = kept.files.iter().filter(|(name, _)| name != PAGE);
+        let needed = earlier.files.iter().filter(|(name, _)| name != PAGE);
         needed.into_iter().find(|(name, length)| is_short(name, *length)).map(|(name, _)| name.as_str())
     }
 
@@ -99,10 +99,10 @@ impl LockedOutputDir {
         origin: Provenance,
         linear: KeptSolver,
     ) -> io::Result<ResultFolder> {
-        let mut place = self.place;
+        let mut folder = self.folder;
         let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
         let coupled = !model.description().couplings.is_empty();
-        let mut table = |name: &str, header: &str| Table::new(name, place.table(name)?, header);
+        let mut table = |name: &str, header: &str| Table::new(name, folder.table(name)?, header);
         let increments = table("increments.csv", &increments::header())?;
         let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several, coupled))?;
         let view = View::of(model);
@@ -116,7 +116,7 @@ impl LockedOutputDir {
         let probes = probes.collect::<io::Result<_>>()?;
         let lists = [table(lists::FILES[0], "")?, table(lists::FILES[1], "")?, table(lists::FILES[2], "")?];
         Ok(ResultFolder {
-            place,
+            folder,
             units: model.units(),
             increments,
             forces,
@@ -138,13 +138,13 @@ impl LockedOutputDir {
     /// When the disk refuses, and [`CheckpointError::Damaged`] when a table is missing or shorter than at the
     /// checkpoint.
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
-        let LockedOutputDir { mut place, kept, .. } = self;
-        let (_, Kept { origin, linear, files, fields, .. }) = kept.ok_or_else(damaged)?;
-        place.go_on();
+        let LockedOutputDir { mut folder, earlier, .. } = self;
+        let (_, FolderState { origin, linear, files, fields, .. }) = earlier.ok_or_else(damaged)?;
+        folder.resume();
         let table = |name: &str| {
             let length =
                 files.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
-            let table = place.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
+            let table = folder.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
             table.map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))
         };
         let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
@@ -156,10 +156,10 @@ impl LockedOutputDir {
         let states = table(view::FILE)?;
         let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
         // From here on the report is out of date.
-        place.directory.remove("run.json")?;
-        let fields = Series::resumed(fields, &mut place)?;
+        folder.directory.remove("run.json")?;
+        let fields = Series::resumed(fields, &mut folder)?;
         Ok(ResultFolder {
-            place,
+            folder,
             units: model.units(),
             increments,
             forces,
@@ -196,7 +196,7 @@ fn may_take(directory: &Directory) -> io::Result<()> {
     if read.is_ok() && found == increments::FIRST_COLUMNS.as_bytes() {
         return Ok(());
     }
-    Err(directory.foreign(first))
+    Err(directory.not_written_here(first))
 }
 
 /// Returns an error if a folder has the name of a result file.

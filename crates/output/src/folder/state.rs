@@ -16,7 +16,7 @@ pub struct KeptSolver {
 
 /// The data with which a result folder resumes from a checkpoint.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(super) struct Kept {
+pub(super) struct FolderState {
     pub origin: Provenance,
     /// The linear solver.
     pub linear: KeptSolver,

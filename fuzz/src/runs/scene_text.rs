@@ -4,22 +4,22 @@ use std::fmt::Write;
 
 use super::case::{Action, Body, Case, Contact, Motion, Scalar, Shape, Support};
 
-/// How a case is told.
+/// The units and the orientation in which a case is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Telling {
+pub struct TextOptions {
     /// The names of the units of length and stress, and what they are in m and Pa; SI without.
     pub units: Option<([&'static str; 2], [f64; 2])>,
     /// Whether left and right change places.
     pub mirrored: bool,
 }
 
-impl Telling {
+impl TextOptions {
     /// As it is.
-    pub const SI: Telling = Telling { units: None, mirrored: false };
+    pub const SI: TextOptions = TextOptions { units: None, mirrored: false };
 }
 
-/// What it takes to tell a case.
-struct Teller {
+/// The data to write a case.
+struct SceneWriter {
     length: f64,
     stress: f64,
     /// The width about whose middle x is mirrored, m.
@@ -29,7 +29,7 @@ struct Teller {
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 
-impl Teller {
+impl SceneWriter {
     fn side(&self, name: &str) -> String {
         let swapped = |name: &str| {
             if name.contains("left") { name.replace("left", "right") } else { name.replace("right", "left") }
@@ -43,8 +43,8 @@ impl Teller {
 
     /// A list of as many values as there are dimensions, of a vector in a unit.
     fn vector(&self, vector: [f64; 3], unit: f64) -> String {
-        let told = [self.sign() * vector[0], vector[1], vector[2]].map(|x| x / unit);
-        format!("{:?}", &told[..self.dimension])
+        let components = [self.sign() * vector[0], vector[1], vector[2]].map(|x| x / unit);
+        format!("{:?}", &components[..self.dimension])
     }
 
     fn place(&self, place: [f64; 3]) -> String {
@@ -114,10 +114,10 @@ impl Teller {
         let fix: Vec<&str> = support.fix.iter().map(|&k| AXES[k]).collect();
         let mut text = format!("[[support]]\nboundary = '{}'\nfix = {fix:?}\n", self.side(support.boundary));
         if let Some(displacement) = &support.displacement {
-            let told = support.fix.iter().zip(displacement);
-            let told: Vec<f64> =
-                told.map(|(&k, u)| (if k == 0 { self.sign() } else { 1.0 }) * u / self.length).collect();
-            let _ = writeln!(text, "displacement = {told:?}\nhistory = {:?}", support.history);
+            let components = support.fix.iter().zip(displacement);
+            let values: Vec<f64> =
+                components.map(|(&k, u)| (if k == 0 { self.sign() } else { 1.0 }) * u / self.length).collect();
+            let _ = writeln!(text, "displacement = {values:?}\nhistory = {:?}", support.history);
         }
         text
     }
@@ -193,8 +193,9 @@ impl Teller {
                     }
                     (_, scalar) => scalar,
                 };
-                let told: Vec<String> = (0..self.dimension).map(|k| self.scalar(turned(k), self.stress)).collect();
-                format!("boundary = '{}'\ntraction = [{}]\n", self.side(boundary), told.join(", "))
+                let components: Vec<String> =
+                    (0..self.dimension).map(|k| self.scalar(turned(k), self.stress)).collect();
+                format!("boundary = '{}'\ntraction = [{}]\n", self.side(boundary), components.join(", "))
             }
             Action::Pressure(boundary, pressure) => {
                 format!("boundary = '{}'\npressure = {}\n", self.side(boundary), self.scalar(*pressure, self.stress))
@@ -209,12 +210,12 @@ impl Teller {
 
 impl Case {
     /// The text of the scene.
-    pub fn text(&self, telling: &Telling) -> String {
-        let [length, stress] = telling.units.map_or([1.0, 1.0], |(_, units)| units);
-        let mirror = telling.mirrored.then(|| self.width());
-        let teller = Teller { length, stress, mirror, dimension: self.dimension };
+    pub fn text(&self, options: &TextOptions) -> String {
+        let [length, stress] = options.units.map_or([1.0, 1.0], |(_, units)| units);
+        let mirror = options.mirrored.then(|| self.width());
+        let teller = SceneWriter { length, stress, mirror, dimension: self.dimension };
         let mut text = String::new();
-        if let Some(([length, stress], _)) = telling.units {
+        if let Some(([length, stress], _)) = options.units {
             let _ = writeln!(text, "[units]\nlength = '{length}'\nstress = '{stress}'");
         }
         if let [body] = &self.bodies[..] {

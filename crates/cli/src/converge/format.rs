@@ -20,7 +20,7 @@ impl Convergence {
         let quantity = self.sought.of.quantity();
         let head = labelled(&self.sought.to_string(), &self.sought.of.unit(&units));
         let mut table = Table::new(&["mesh", "elements", "inc", &head, "change", "s", ""]);
-        for (k, run) in self.ended.steps.iter().enumerate() {
+        for (k, run) in self.result.steps.iter().enumerate() {
             let number = |x: f64| units.rounded(Quantity::Number, units.of_si(quantity, x), DIGITS);
             let remark = match (run.value, run.is_resolved) {
                 (None, _) | (_, false) => "too coarse to count",
@@ -59,7 +59,7 @@ impl Convergence {
                 "seconds": run.seconds,
             })
         };
-        self.ended.steps.iter().enumerate().map(run).collect()
+        self.result.steps.iter().enumerate().map(run).collect()
     }
 
     /// Returns the study as one JSON object, in the units of the scene.
@@ -71,7 +71,7 @@ impl Convergence {
             let place = peak.position[..units.dimension].iter().map(|x| units.of_si(Quantity::Length, *x));
             place.collect::<Vec<_>>()
         };
-        let errors = self.ended.errors.as_ref();
+        let errors = self.result.errors.as_ref();
         let limited = errors.filter(|_| self.has_limit());
         json!({
             "schema_version": SCHEMA_VERSION,
@@ -81,7 +81,7 @@ impl Convergence {
             "quantity": self.sought.word,
             "unit": self.sought.of.unit(units),
             "to": self.to,
-            "verdict": self.ended.verdict,
+            "verdict": self.result.verdict,
             "message": self.outcome(),
             "value": errors.map(|errors| value(errors.value)),
             "extrapolated": limited.map(|errors| value(errors.extrapolated())),
@@ -93,7 +93,7 @@ impl Convergence {
             "own_mesh_error": self.own_mesh().map(|(_, error)| error),
             "boundary": self.peak().map(|peak| &peak.boundary),
             "position": self.peak().map(position),
-            "predicted_seconds": self.ended.predicted,
+            "predicted_seconds": self.result.predicted,
             "warnings": self.last.warnings,
             "runs": self.runs("value"),
         })
@@ -106,21 +106,21 @@ impl Convergence {
 
     /// Returns `true` if the value has a limit.
     pub(super) fn has_limit(&self) -> bool {
-        let measured = self.ended.errors.as_ref().is_some_and(|errors| errors.total().is_some());
-        let singular = self.peak().is_some_and(|peak| peak.singular) || self.ended.verdict == Verdict::Singular;
+        let measured = self.result.errors.as_ref().is_some_and(|errors| errors.total().is_some());
+        let singular = self.peak().is_some_and(|peak| peak.singular) || self.result.verdict == Verdict::Singular;
         measured && !singular
     }
 
     /// Returns the value with its uncertainty: `the peak pressure is 71.3 MPa ± 1.4 %`; `None` without a limit.
     fn known(&self) -> Option<String> {
-        let errors = self.ended.errors.as_ref().filter(|_| self.has_limit())?;
+        let errors = self.result.errors.as_ref().filter(|_| self.has_limit())?;
         let value = self.units_for_people().rounded(self.sought.of.quantity(), errors.value, DIGITS);
         Some(format!("the {} is {value} ± {}", self.sought, self.percent(errors.total()?)))
     }
 
     /// Returns the verdict as a heading.
     pub(super) fn in_short(&self) -> String {
-        match (&self.ended.verdict, self.known()) {
+        match (&self.result.verdict, self.known()) {
             (Verdict::Known, Some(known)) => known,
             (Verdict::Singular, _) => format!("the {} is singular", self.sought),
             (_, Some(known)) => format!("{known}, not yet known to {}", self.percent(self.to)),
@@ -138,25 +138,25 @@ impl Convergence {
     /// Returns the verdict in one sentence.
     pub fn outcome(&self) -> String {
         let units = &self.last.units;
-        let Some(last) = self.ended.steps.last() else { return String::new() };
+        let Some(last) = self.result.steps.last() else { return String::new() };
         let sought = &self.sought;
         let increments =
             if last.increments == 1 { "1 increment".into() } else { format!("{} increments", last.increments) };
         let here = format!("mesh {} with {increments}", last.mesh);
         let asked = self.percent(self.to);
         let so_far = self.known().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
-        let total = self.ended.errors.as_ref().and_then(Errors::total);
+        let total = self.result.errors.as_ref().and_then(Errors::total);
         let by_few = total.is_some_and(|total| total <= self.to);
         let short = if by_few { ", but by too few meshes".to_string() } else { format!(", not {asked}") };
-        match self.ended.verdict {
+        match self.result.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
             Verdict::Warned => format!(
                 "{so_far} on the meshes as they are, but a warning below is never to be ignored: follow it, then repeat the study"
             ),
             Verdict::Singular => {
-                let growth = self.change(self.ended.steps.len() - 1).unwrap_or_default();
+                let growth = self.change(self.result.steps.len() - 1).unwrap_or_default();
                 let place =
-                    |peak: &LargestPressure| format!(" at {} on `{}`", units.place(peak.position), peak.boundary);
+                    |peak: &LargestPressure| format!(" at {} on `{}`", units.point(peak.position), peak.boundary);
                 let at = self.peak().map_or(String::new(), place);
                 format!(
                     "no mesh will do: the pressure is singular{at}, it changed by {} with the last refinement; ask for \
@@ -165,16 +165,16 @@ impl Convergence {
                 )
             }
             Verdict::NotConverged => {
-                format!("{here} did not converge: {}; see stickslip run with this mesh", self.ended.reason)
+                format!("{here} did not converge: {}; see stickslip run with this mesh", self.result.reason)
             }
             Verdict::Interrupted => format!("interrupted: {so_far}; the next study begins anew"),
-            Verdict::RunLimit => format!("{so_far}{short}: {} runs are done (--max-runs)", self.ended.steps.len()),
+            Verdict::RunLimit => format!("{so_far}{short}: {} runs are done (--max-runs)", self.result.steps.len()),
             Verdict::TimeLimit => {
-                let next = self.ended.predicted.unwrap_or_default();
+                let next = self.result.predicted.unwrap_or_default();
                 format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)")
             }
             Verdict::NoFinerMesh => format!("{so_far}{short}: no finer mesh is named (--meshes)"),
-            Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.ended.reason),
+            Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.result.reason),
         }
     }
 
@@ -182,7 +182,7 @@ impl Convergence {
     pub fn lines(&self) -> Vec<(&'static str, String)> {
         let percent = |share: f64| self.percent(share);
         let mut lines = Vec::new();
-        if let Some(errors) = self.ended.errors.as_ref().filter(|_| self.has_limit())
+        if let Some(errors) = self.result.errors.as_ref().filter(|_| self.has_limit())
             && let (Some(total), Some(of_mesh), Some(of_increments)) =
                 (errors.total(), errors.of_mesh(), errors.of_increments())
         {
@@ -206,15 +206,15 @@ impl Convergence {
 
     /// Returns the name and the error of the scene's own mesh, as a share of the extrapolated value.
     fn own_mesh(&self) -> Option<(String, f64)> {
-        let trusted = self.has_limit() && self.ended.verdict != Verdict::Warned;
-        let limit = self.ended.errors.as_ref().filter(|_| trusted)?.mesh?;
-        let series = series(&self.ended.steps, true, false);
-        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.ended.steps[**k].is_own_mesh)?;
+        let trusted = self.has_limit() && self.result.verdict != Verdict::Warned;
+        let limit = self.result.errors.as_ref().filter(|_| trusted)?.mesh?;
+        let series = series(&self.result.steps, true, false);
+        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.result.steps[**k].is_own_mesh)?;
         let error = (found.1 / limit.extrapolated - 1.0).abs();
         // Without a limit the value of the last mesh is the extrapolated one, which says nothing of its error.
         let is_estimated = matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant)
             || Some(found.0) != series.steps.last();
-        Some((self.ended.steps[*found.0].mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
+        Some((self.result.steps[*found.0].mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
     }
 
     /// Returns the units for text and pictures: in SI, MPa for pressures.
@@ -225,7 +225,7 @@ impl Convergence {
     /// Returns the change of the value by run `k`, as a share.
     fn change(&self, k: usize) -> Option<f64> {
         let [before, after] =
-            [self.ended.steps.get(k.checked_sub(1)?)?, self.ended.steps.get(k)?].map(|step| step.value);
+            [self.result.steps.get(k.checked_sub(1)?)?, self.result.steps.get(k)?].map(|step| step.value);
         Some(after? / before? - 1.0).filter(|change| change.is_finite())
     }
 }

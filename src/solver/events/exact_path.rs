@@ -116,9 +116,9 @@ impl<'a> ExactPath<'a> {
     /// would be singular. Such a body first moves as a rigid body under the first loads, however small, until it
     /// comes to rest.
     fn begin(&mut self) -> Result<(), LinearError> {
-        let rest = if is_carried_without_strain(self.loads.problem)? { self.rest() } else { None };
+        let landing = if is_carried_without_strain(self.loads.problem)? { self.landing() } else { None };
         let gap = &self.now.stretch.at.gap;
-        let nodes = match rest {
+        let nodes = match landing {
             None => (0..gap.len()).filter(|&i| gap[i] <= 0.0).collect(),
             Some(Landing { weights, nodes }) => {
                 let u = self.loads.problem.rigid_motion(&weights);
@@ -137,12 +137,12 @@ impl<'a> ExactPath<'a> {
     }
 
     /// Finds the rest position of a rigid body under the first loads; `None` if nothing stops it.
-    fn rest(&self) -> Option<Landing> {
+    fn landing(&self) -> Option<Landing> {
         let Given { force, .. } = &self.now.stretch.change;
         let sizes: Vec<f64> = force.iter().map(|f| f.abs()).collect();
         let gap = &self.now.stretch.at.gap;
-        let reach: Vec<f64> = gap.iter().map(|gap| NEARBY * gap.abs()).collect();
-        landing(self.loads.problem, self.mu, &Load { force, sizes: &sizes }, gap, &reach)
+        let tolerance: Vec<f64> = gap.iter().map(|gap| NEARBY * gap.abs()).collect();
+        landing(self.loads.problem, self.mu, &Load { force, sizes: &sizes }, gap, &tolerance)
     }
 
     /// Selects from values along both tangents those along each node's sliding tangent, in this `unit`.
@@ -183,10 +183,10 @@ impl<'a> ExactPath<'a> {
 
     /// Returns the positions of the nodes along both tangents relative to their obstacles, n_c each, m; 0 along a
     /// tangent that a node does not have.
-    pub fn places(&self) -> [Vec<f64>; 2] {
+    pub fn slips(&self) -> [Vec<f64>; 2] {
         let slide = self.now.stretch.given_at(self.now.share).slide;
-        let place = |(w, slide): (&f64, &f64)| (w - slide) * self.loads.scaling.length;
-        self.equations.along_both(&self.now.at.w_t.iter().zip(&slide).map(place).collect::<Vec<_>>())
+        let slip = |(w, slide): (&f64, &f64)| (w - slide) * self.loads.scaling.length;
+        self.equations.along_both(&self.now.at.w_t.iter().zip(&slide).map(slip).collect::<Vec<_>>())
     }
 
     /// Returns the external forces (N, n_u), the gaps and the motions of the obstacles along both tangents (m, n_c)
@@ -297,17 +297,17 @@ impl<'a> ExactPath<'a> {
             let changed = before.into_iter().zip(&self.now.statuses).enumerate().filter(|(_, (from, to))| from != *to);
             events.extend(changed.map(|(node, (from, to))| Event { time, node, from, to: *to }));
         }
-        let (reach, at_bound) = self.reach();
+        let (max_step, at_bound) = self.max_step();
         let target = if self.now.rates_valid && end.is_infinite() {
             self.now.share
         } else {
-            (self.now.share + reach).min(wanted)
+            (self.now.share + max_step).min(wanted)
         };
-        let happens = !end.is_infinite() && self.now.share + reach <= wanted;
+        let happens = !end.is_infinite() && self.now.share + max_step <= wanted;
         let friction_work = self.go(target);
         self.now.at_bound = vec![false; self.now.statuses.len()];
         if happens && target < 1.0 {
-            self.now.zero_steps = if reach <= NONE { self.now.zero_steps + 1 } else { 0 };
+            self.now.zero_steps = if max_step <= NONE { self.now.zero_steps + 1 } else { 0 };
             self.now.at_bound = at_bound;
             self.now.rates_valid = false;
             if self.now.zero_steps > MAX_ZERO_STEPS {
@@ -352,7 +352,7 @@ impl<'a> ExactPath<'a> {
         }
         let mut given = self.now.stretch.given_at(self.now.share);
         for (i, status) in statuses.iter().enumerate() {
-            if status.is_held() && !self.now.statuses[i].is_held() {
+            if status.is_sticking() && !self.now.statuses[i].is_sticking() {
                 self.now.w_t_stick[i] = self.now.at.w_t[i] - given.slide[i];
             }
         }
@@ -424,7 +424,7 @@ impl<'a> ExactPath<'a> {
     }
 
     /// Returns the share of the segment at which a node first reaches the border of a law, and which nodes do.
-    fn reach(&self) -> (f64, Vec<bool>) {
+    fn max_step(&self) -> (f64, Vec<bool>) {
         let Reached { rate, stretch, .. } = &self.now;
         let force = rate.force_scale(&stretch.change);
         let length = rate.largest_displacement().max(largest(&stretch.change.gap));

@@ -12,7 +12,7 @@ use crate::body::mesh::{Boundary, Mesh};
 
 /// A node of a boundary in front of an obstacle.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Meeting {
+pub struct NodeObstacle {
     /// The number of the node in the mesh.
     pub node: usize,
     /// The number of the obstacle among those in front of the boundary.
@@ -44,7 +44,7 @@ const ALONG: f64 = 1e-9;
 /// differences are rounding.
 const EQUAL_DISTANCE: f64 = 1e-12;
 
-impl Meeting {
+impl NodeObstacle {
     /// Returns the obstacle that is nearest to the node at `x` (m) at time `t` (s), and the gap, m.
     pub fn nearest(&self, obstacles: &[(PlacedObstacle, ObstacleMotion)], x: [f64; 3], t: f64) -> (usize, f64) {
         nearest(obstacles, (self.obstacle, &self.facing), &self.others, x, t)
@@ -53,11 +53,11 @@ impl Meeting {
 
 /// Returns the obstacle that is nearest to a node at `x` (m) at time `t` (s), and the gap, m.
 ///
-/// The result is the obstacle `met` first, unless one of the `others` is nearer. If an obstacle is not in front of the
+/// The result is the obstacle `own`, unless one of the `others` is nearer. If an obstacle is not in front of the
 /// node, its gap is the size of the boundary.
 pub fn nearest(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
-    (met, facing): (usize, &Facing),
+    (own, facing): (usize, &Facing),
     others: &[usize],
     x: [f64; 3],
     t: f64,
@@ -67,7 +67,7 @@ pub fn nearest(
         let is_in_front = obstacle.is_plane() || motion.is_in_front(obstacle, t, x, facing);
         if is_in_front { motion.exact_gap(obstacle, t, x, facing) } else { obstacle.extent() }
     };
-    others.iter().fold((met, gap(met, facing)), |(nearest, distance), &k| {
+    others.iter().fold((own, gap(own, facing)), |(nearest, distance), &k| {
         let other = gap(k, &obstacles[k].0.seen_from(x));
         if other < distance - EQUAL_DISTANCE * obstacles[k].0.extent() { (k, other) } else { (nearest, distance) }
     })
@@ -89,10 +89,10 @@ pub fn meetings(
     boundary: &Boundary,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     times: &[f64],
-) -> Result<Vec<Meeting>, Unclear> {
+) -> Result<Vec<NodeObstacle>, Unclear> {
     // A single obstacle must be in front of the whole boundary, which is checked facet by facet.
     let outsides = if obstacles.len() > 1 { outsides(mesh, boundary) } else { HashMap::new() };
-    let mut met = Vec::new();
+    let mut assigned = Vec::new();
     for node in boundary.nodes() {
         let x = mesh.nodes[node];
         let shows = |facing: &Facing| {
@@ -139,9 +139,9 @@ pub fn meetings(
         let facing = obstacles[obstacle].0.in_front(facing);
         let presses_alike = |k: &usize| *k != obstacle && obstacles[*k].0.presses_as(&obstacles[obstacle].0);
         let others = facings.iter().map(|(k, _)| *k).filter(presses_alike).collect();
-        met.push(Meeting { node, obstacle, facing, others });
+        assigned.push(NodeObstacle { node, obstacle, facing, others });
     }
-    Ok(met)
+    Ok(assigned)
 }
 
 /// Returns the sum of the area vectors of the facets at each node of `boundary`.
@@ -185,8 +185,8 @@ pub fn holes_in_front_of(
         let [normal, first, second] =
             [obstacle.normal, obstacle.tangents[0], obstacle.tangents[1]].map(|axis| motion.back(t, [0.0; 3], axis).1);
         let before = plus(hole.middle, -2.0 * triangles.extent, normal);
-        let way = dot(minus(hole.middle, before), normal);
-        if triangles.entry(before, normal).is_some_and(|entry| entry.distance < way - hole.size) {
+        let depth = dot(minus(hole.middle, before), normal);
+        if triangles.entry(before, normal).is_some_and(|entry| entry.distance < depth - hole.size) {
             return false;
         }
         let shadow = |points: Vec<[f64; 3]>| {

@@ -48,7 +48,7 @@ fn a_roller_takes_the_place_of_another() {
     let [bottom] = &report.boundaries[..] else { panic!() };
     let on = |k: usize| bottom.obstacles[k].force[1];
     assert!((on(0) + force(&both[7])).abs() < 1e-9 * force(&both[7]) && on(1) == 0.0, "{} {}", on(0), on(1));
-    let met: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.met(i, 2.0)?.0)).collect();
+    let met: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
     assert!(met.iter().zip(&model.contacts).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
 }
 
@@ -173,8 +173,8 @@ fn holes_under_the_body_are_told() {
         let body = Description::new(MeshSource::block([1.0, 1.0, 0.5], [4, 4, 2]), Material::new(1e9, 0.3), vec![1.0]);
         let body = body.support("top", &[Axis::X, Axis::Y, Axis::Z]).contact("bottom", 0.0, obstacle);
         let warnings = Warning::of_model(&Model::build(&body).unwrap());
-        let told = warnings.into_iter().find(|warning| warning.kind == WarningKind::SurfaceHole);
-        told.map(|warning| warning.message)
+        let warning = warnings.into_iter().find(|warning| warning.kind == WarningKind::SurfaceHole);
+        warning.map(|warning| warning.message)
     };
     let whole = sheet(8);
     let without = |k: usize| [&whole[..k], &whole[k + 1..]].concat();
@@ -290,9 +290,9 @@ fn triangles_that_are_chords() {
     for (n, wrong) in [(1600, 0.0), (96, 0.0), (48, 0.1), (32, 0.25), (24, 0.42)] {
         let (peak, report) = pressed(&strips(&arc(n)));
         assert!((peak / exact - 1.0 - wrong).abs() < 0.02, "{n}: {peak} {exact}");
-        let told = report.warnings.iter().find(|warning| warning.kind == WarningKind::FacetedGaps);
-        let told = told.map(|warning| warning.message.as_str()).unwrap_or_default();
-        assert_eq!(told.contains("contact[0].obstacle are chords"), wrong > 0.0, "{n}: {told}");
+        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::FacetedGaps);
+        let message = warning.map(|warning| warning.message.as_str()).unwrap_or_default();
+        assert_eq!(message.contains("contact[0].obstacle are chords"), wrong > 0.0, "{n}: {message}");
     }
     for (h, wrong) in [(0.2, true), (0.02, false)] {
         let ball = |i: i32, j: i32| {
