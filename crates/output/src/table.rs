@@ -5,7 +5,7 @@ use std::fmt;
 /// The width from which the heads of a table are broken into lines, so that it fits a screen.
 const WIDE: usize = 100;
 
-/// The characters after which a head may be broken.
+/// The characters after which a head may be broken; the last one only if the table is too wide without.
 const BREAKS: [char; 4] = [' ', '.', ':', '_'];
 
 /// A table of right-aligned columns.
@@ -37,11 +37,19 @@ impl Table {
         let cells: Vec<usize> =
             (0..self.heads.len()).map(|k| self.rows.iter().map(|row| width(&row[k])).max().unwrap_or(0)).collect();
         let whole: Vec<usize> = cells.iter().zip(&self.heads).map(|(&cells, head)| cells.max(width(head))).collect();
-        if whole.iter().map(|width| width + 2).sum::<usize>() <= WIDE + 2 {
+        let is_wide = |widths: &[usize]| widths.iter().map(|width| width + 2).sum::<usize>() > WIDE + 2;
+        if !is_wide(&whole) {
             return (whole, self.heads.iter().map(|head| vec![head.clone()]).collect());
         }
-        let broken = self.heads.iter().zip(cells).map(|(head, cells)| {
-            let pieces = || head.split_inclusive(BREAKS);
+        let in_words = self.broken(&cells, &BREAKS[..3]);
+        if is_wide(&in_words.0) { self.broken(&cells, &BREAKS) } else { in_words }
+    }
+
+    /// Returns the widths of the columns with heads that are broken after these characters, and the lines of the heads.
+    fn broken(&self, cells: &[usize], breaks: &[char]) -> (Vec<usize>, Vec<Vec<String>>) {
+        let width = |text: &str| text.chars().count();
+        let broken = self.heads.iter().zip(cells).map(|(head, &cells)| {
+            let pieces = || head.split_inclusive(breaks);
             let most = pieces().map(|piece| width(piece.trim_end())).fold(cells, usize::max);
             let mut lines: Vec<String> = Vec::new();
             for piece in pieces() {

@@ -359,8 +359,6 @@ pub(crate) struct SlipZones {
     /// The sum over all slip zones beside sticking nodes of the work divided by the number of nodes across the zone.
     /// Without sticking nodes the work does not depend on such a width.
     by_width: f64,
-    /// The sum of the work divided by the square of that number.
-    by_square: f64,
 }
 
 impl SlipZones {
@@ -384,15 +382,8 @@ impl SlipZones {
             self.work += work;
             if let Some(across) = zone.iter().filter_map(|i| depths.get(i)).max() {
                 self.by_width += work / *across as f64;
-                self.by_square += work / (*across as f64).powi(2);
             }
         }
-    }
-
-    /// Returns the error of the work by the width of slip zones, as a share: the square of one node of the width of each zone,
-    /// weighted by the work. `None` if no node slips beside sticking nodes.
-    pub(crate) fn error(&self) -> Option<f64> {
-        (self.by_square > 0.0).then(|| self.by_square / self.work)
     }
 
     /// Returns the work, J, and the number of nodes across the slip zones, the harmonic mean weighted by the work.

@@ -129,8 +129,8 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (&contact.stick, n) {
         let message = format!(
-            "`{}` at t = {} s: the size of the stick zone is known only to one element at each end: its width is {:.2} of \
-             the contact width ({n} nodes)",
+            "`{}` at t = {} s: the stick zone, {:.2} of the contact width, lies on {n} nodes across the contact: it may be off \
+             by an element at each end",
             stick.boundary,
             six_digits(stick.time),
             stick.ratio

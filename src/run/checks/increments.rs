@@ -46,7 +46,7 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning 
     // The first increment applies what exists at t = 0 at once, however short it is.
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
     let cure = if stays.abs() > WORK {
-        format!("of which {:+.0} % stay: let the loads or interference at t = 0 grow from 0", 100.0 * stays)
+        format!("more increments leave {:+.0} %: let the loads or interference at t = 0 grow from 0", 100.0 * stays)
     } else {
         let share = (stays + 0.25 * (found.work_error - stays)).abs();
         format!("four times as many increments would leave about {:.0} %", 100.0 * share)

@@ -41,9 +41,6 @@ pub struct Estimates {
     /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
     /// no such zones, or hardly any friction work.
     pub slip_across: Option<f64>,
-    /// The error of the friction work by the width of slip zones, as a share.
-    #[serde(skip)]
-    pub work_by_width: Option<f64>,
     /// Friction work below this counts as none, J: a small share of the largest strain energy.
     #[serde(skip)]
     pub negligible_work: f64,
@@ -213,7 +210,6 @@ impl EstimateWatch {
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
             tangential: None,
             slip_across: self.slip_across(),
-            work_by_width: self.slip.error(),
             negligible_work: self.negligible_work(),
             increments: None,
             start: None,

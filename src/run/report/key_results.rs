@@ -65,10 +65,8 @@ pub struct HoldingForce {
 pub struct FrictionResult {
     /// The friction work of all increments, J; in two dimensions J per m of depth.
     pub friction_work: f64,
-    /// The error of the mesh, as a share, that of the largest tangential force. `None` if it is unknown: if loads alone
-    /// determine that force, or the width of slip zones beside sticking nodes matters more.
-    pub mesh_error: Option<f64>,
-    /// The error of the time steps, as a share, if it was estimated; it is positive if the work is too large.
+    /// The error of the time steps, as a share, if it was estimated; it is positive if the work is too large. That of the mesh
+    /// is not estimated.
     pub time_error: Option<f64>,
 }
 
@@ -234,11 +232,8 @@ impl KeyWatch {
 
     /// Returns the friction work with its errors; `None` if nothing slipped.
     pub(in crate::run) fn friction(&self, estimates: &Estimates) -> Option<FrictionResult> {
-        let of_force = self.holding.as_ref().and_then(|(force, _)| force.mesh_error);
-        let of_width = estimates.work_by_width.unwrap_or(0.0);
         (self.work > ROUNDING * estimates.negligible_work).then_some(FrictionResult {
             friction_work: self.work,
-            mesh_error: of_force.filter(|error| of_width <= *error),
             time_error: estimates.increments.map(|increments| increments.work_error).filter(|error| error.abs() <= 1.0),
         })
     }

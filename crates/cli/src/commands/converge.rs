@@ -115,6 +115,10 @@ fn finer(scene: &Scene) -> Option<(String, [String; 2])> {
     let folder = Path::new(scene.file()).parent()?;
     let named = [file, &fine].map(|path| path.strip_prefix(folder).unwrap_or(path).display().to_string());
     let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
-    let command = format!("gmsh -3 -clscale 0.5 {geometry} -format msh41 -o {fine}");
+    // A geometry with given numbers of elements has no other size.
+    let has_numbers = std::fs::read_to_string(&geometry).is_ok_and(|text| text.contains("Transfinite"));
+    let option = if has_numbers { "-setnumber NAME VALUE" } else { "-clscale 0.5" };
+    let dimension = scene.description.mesh.build().map_or(3, |mesh| mesh.dimension);
+    let command = format!("gmsh -{dimension} {option} {geometry} -format msh41 -o {fine}");
     Path::new(&geometry).is_file().then_some((command, named))
 }

@@ -164,7 +164,7 @@ fn bad_quantities_are_told_before_anything_runs() {
     let vary = ["--vary", "contact.friction=0.2,0.4", "--out", &folder.join("out")].map(String::from);
     for (option, quantity, words) in [
         ("--table", "friction_work", "did you mean cycle.friction_work or friction.friction_work"),
-        ("--table", "friction.work", "the keys of friction are friction_work, mesh_error, time_error"),
+        ("--table", "friction.work", "the keys of friction are friction_work, time_error"),
         ("--table", "status,max:botom.f_x", "did you mean bottom?"),
         ("--table", "largest_force.force", "size:largest_force.force"),
         ("--plot", "status", "is no number and cannot be drawn"),

@@ -87,7 +87,7 @@ function showPlaneBody([mesh, ...states]) {
       + (around.length ? `, von Mises stress of the elements there ${rounded(Math.min(...around), STRESS, 3)} to ${rounded(Math.max(...around), STRESS, 3)}.` : ".");
   });
   for (const input of [slider, scale]) input.addEventListener("input", show);
-  addEventListener("resize", show);
+  atEachWidth(show);
   for (const query of ["(prefers-color-scheme: dark)", "print"]) matchMedia(query).addEventListener("change", show);
   const legend = $(".legend"), [zero, end] = legend.querySelectorAll("span");
   legend.hidden = !(most > 0);

@@ -85,7 +85,8 @@ function draw(into, curves, titles, zoom = null) {
     }
     if (!best) return;
     dot.setAttribute("cx", X(best.x)); dot.setAttribute("cy", Y(best.y)); dot.setAttribute("visibility", "visible");
-    tip.textContent = `${best.name}: ${plain(best.x)}, ${plain(best.y)}`;
+    // The names are above the chart, and long ones do not fit in it.
+    tip.textContent = `${8 * best.name.length > W / 2 ? "" : `${best.name}: `}${plain(best.x)}, ${plain(best.y)}`;
     const late = X(best.x) > W / 2;
     tip.setAttribute("x", X(best.x) + (late ? -8 : 8)); tip.setAttribute("text-anchor", late ? "end" : "start"); tip.setAttribute("visibility", "visible");
   });
@@ -109,11 +110,18 @@ function arrowsOn(points) {
   });
 }
 
+// Calls `show` when the width of the window changes. On a phone the height does so while a page is scrolled.
+function atEachWidth(show) {
+  let width = innerWidth;
+  addEventListener("resize", () => { if (innerWidth !== width) { width = innerWidth; show(); } });
+}
+
 // Formats a number with few digits.
 function plain(x, digits = 4) {
   if (!Number.isFinite(x)) return "–";
   if (x === 0) return "0";
   const size = Math.abs(Number(x.toPrecision(digits)));
+  if (size >= 10 ** (digits - 1) && size < 1e6) return `${Math.round(x)}`;
   if (size < 1e-4 || size >= 1e6) return x.toExponential(digits - 1);
   return `${Number.isInteger(x) ? x : Number(x.toPrecision(digits))}`;
 }

@@ -52,7 +52,7 @@ function showState() {
 }
 for (const boundary of Object.keys(states)) $("#boundary").append(new Option(boundary));
 $("#contact").hidden = !Object.keys(states).length;
-addEventListener("resize", showState);
+atEachWidth(showState);
 $("#boundary").addEventListener("change", showState);
 $("#state").addEventListener("input", showState);
 // The page opens at the largest pressure, or at the last state.

@@ -14,7 +14,7 @@ if (cycle) {
     const chart = element("div", "", "chart");
     $("#facts").append(chart);
     const show = () => draw(chart, [{ name: "friction work", colour: "var(--two)", points: all.map((one, k) => [one.end, works[k]]), marks: all.map(() => "var(--two)") }], ["end of the cycle, s", titled("friction work of a cycle", worksUnit)]);
-    addEventListener("resize", show);
+    atEachWidth(show);
     show();
   }
   const head = ["boundary", "slip", titled("friction work", ENERGY), titled("largest slip range", LENGTH), titled("largest net slip", LENGTH)];
@@ -43,6 +43,6 @@ if (perNode.rows.length) {
     draw($("#cycle-chart"), [{ name: column, colour: "var(--one)", points, marks: isLine ? null : points.map(() => "var(--one)"), bare: !isLine }], [titled(name, xUnit), titled(column, yUnit)]);
   };
   for (const id of ["#cycle-boundary", "#cycle-across", "#cycle-up"]) $(id).addEventListener("change", showCycle);
-  addEventListener("resize", showCycle);
+  atEachWidth(showCycle);
   showCycle();
 } else for (const node of [$("#per-cycle .controls"), $("#cycle-chart")]) node.hidden = true;

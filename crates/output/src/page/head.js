@@ -33,7 +33,7 @@ const ofMesh = ({ given, mesh_error }) => (given ? "loads alone determine it" : 
 if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   ofMesh(force), "");
 if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), about(held.time_error));
-if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", about(friction.mesh_error),
+if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", "unknown",
   about(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
 if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");

@@ -101,7 +101,7 @@ function showHistory() {
   const whole = { name: cycles.length ? "history" : $("#up").value, colour: cycles.length ? "var(--three)" : "var(--one)", points, arrows: returns && !cycles.length, ends: returns };
   const last = cycles.length ? [{ name: "last cycle", colour: "var(--two)", points: [...cycles[0].points, cycles[0].points[0]], arrows: true, wide: true }] : [];
   draw($("#curve"), [whole, ...last], labels);
-  $("#loop").textContent = !returns ? "" : !cycles.length
+  $("#loop").textContent = !returns ? "A drag zooms, a double click shows all again." : !cycles.length
     ? "Arrows show the direction of time. The curve is not closed: its end is farther than 2 % of its extent from where it was before."
     : `Arrows show the direction of time. The last cycle${during(both, cycles[0])} encloses ${areaOf(rawCycles[0], x, y)}${rawCycles[1] ? `, the one before ${areaOf(rawCycles[1], x, y)}` : ""}.`;
 }
@@ -142,6 +142,6 @@ function widestLoop(share) {
 const overTime = ["time", [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || ""];
 [$("#across").value, $("#up").value] = widestLoop(OPEN) || widestLoop(LINE) || overTime;
 for (const id of ["#across", "#up"]) $(id).addEventListener("change", showHistory);
-addEventListener("resize", showHistory);
+atEachWidth(showHistory);
 $("#history").hidden = times.size < 2;
 showHistory();

@@ -25,6 +25,14 @@ function table(section, head, rows) {
 }
 // Every table of the run that is one for all increments.
 const cells = (row, names) => names.map((name) => (Number.isNaN(number(row[name])) ? row[name] : number(row[name])));
+// What is rounding beside the largest number of its column is 0.
+function withoutRounding(rows) {
+  (rows[0] || []).forEach((_, k) => {
+    const most = Math.max(...rows.map((row) => (typeof row[k] === "number" ? Math.abs(row[k]) : 0)));
+    for (const row of rows) if (typeof row[k] === "number" && Math.abs(row[k]) < 1e-12 * most) row[k] = 0;
+  });
+  return rows;
+}
 const SHOWN = {
   "forces.csv": ["Forces at the end of the last converged increment", (head) => ["kind", "boundary", ...head.filter((name) => !["index", "time", "boundary", "kind", "balance"].includes(name))]],
   "increments.csv": ["Increments", () => ["index", "time", "status", "iterations", "open", "stick", "slip", "friction_work", "strain_energy"]],
@@ -39,7 +47,7 @@ for (const [name, text] of Object.entries(files)) {
   section.append(element("h2", title));
   const last = name === "forces.csv" && rows.length ? rows[rows.length - 1].index : null;
   const shown = last === null ? rows : rows.filter((row) => row.index === last);
-  table(section, names.map((column) => titled(column, unitOf(column))), shown.map((row) => cells(row, names)));
+  table(section, names.map((column) => titled(column, unitOf(column))), withoutRounding(shown.map((row) => cells(row, names))));
   const all = name === "increments.csv" && rows.length ? Number(rows[rows.length - 1].index) : 0;
   if (all > rows.length)
     section.append(element("p", `${rows.length} of ${all} increments are here. Iterations and friction work are sums since the row before.`, "note"));

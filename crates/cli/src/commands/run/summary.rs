@@ -5,8 +5,9 @@ use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, LargestForce,
-    LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns, Warning,
+    AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, HoldingForce,
+    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
+    Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -64,13 +65,14 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
     }
 }
 
-/// Prints each warning in a line, and its cure, the last part of the message, in the next. A cure of several warnings is
+/// Prints each warning in a line, with its kind, and its cure, the last part of the message, in the next. A cure of several warnings is
 /// printed once.
 pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item = &'a Warning>) {
     let mut cures = Vec::new();
-    for Warning { message, .. } in warnings {
+    for Warning { kind, message, .. } in warnings {
         let (finding, cure) = message.rsplit_once("; ").unwrap_or((message, ""));
-        say!("warning      {finding}");
+        let kind = serde_json::json!(kind);
+        say!("warning      {}: {finding}", kind.as_str().unwrap_or_default());
         if !cure.is_empty() && !cures.contains(&cure) {
             say!("             {cure}");
             cures.push(cure);
@@ -180,25 +182,33 @@ fn print_largest(report: &RunReport) {
         );
     }
     let about = |error: Option<f64>| match error {
-        Some(error) => format!("error of the mesh about {}", percent(error)),
-        None => "error of the mesh unknown".to_string(),
+        Some(error) if error.abs() < 1e-3 => "below 0.1 %".to_string(),
+        Some(error) => format!("about {}", percent(error.abs())),
+        None => "unknown".to_string(),
+    };
+    let of_mesh = |error: Option<f64>, given: bool| {
+        if given { "loads alone determine it".to_string() } else { format!("error of the mesh {}", about(error)) }
     };
     if let Some(LargestForce { boundary, magnitude, time, mesh_error, given, .. }) = &report.largest_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
-        let error = if *given { "loads alone determine it".to_string() } else { about(*mesh_error) };
+        let error = of_mesh(*mesh_error, *given);
         say!("force        {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
     }
-    if let Some(FrictionResult { friction_work, mesh_error, time_error, .. }) = report.friction {
+    if let Some(HoldingForce { boundary, magnitude, time, mesh_error, given, time_error, .. }) = &report.holding_force {
+        let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
+        let error = format!("{}, error of the increments {}", of_mesh(*mesh_error, *given), about(*time_error));
+        say!("tangential   {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
+    }
+    if let Some(FrictionResult { friction_work, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
-        let of_mesh = Some(about(mesh_error));
-        let of_steps = time_error.map(|error| {
-            let verb = if error < -5e-4 { "take" } else { "add" };
-            let corrected = energy(friction_work * (1.0 - error));
-            format!("increments {verb} {:.1} %: corrected {corrected}", 100.0 * error.abs())
-        });
-        let results: Vec<String> =
-            [format!("work {}", energy(friction_work))].into_iter().chain(of_mesh).chain(of_steps).collect();
-        say!("friction     {}", results.join(", "));
+        let of_steps = match time_error {
+            Some(error) if error.abs() >= 1e-3 => {
+                let (verb, corrected) = (if error < 0.0 { "take" } else { "add" }, energy(friction_work * (1.0 - error)));
+                format!("increments {verb} {}: corrected {corrected}", percent(error.abs()))
+            }
+            error => format!("error of the increments {}", about(error)),
+        };
+        say!("friction     work {}, error of the mesh unknown, {of_steps}", energy(friction_work));
     }
     if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = &report.stick_zone {
         say!(
@@ -219,7 +229,7 @@ fn print_largest(report: &RunReport) {
     let across = nodes_across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
     let error = match mesh_error {
         _ if *singular => "singular: it depends on the mesh".to_string(),
-        error => about(*error),
+        error => of_mesh(*error, false),
     };
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
         (Some(of), Some(pressure)) => {
