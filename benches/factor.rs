@@ -52,15 +52,15 @@ fn main() {
     ]);
     compare(&MESHES.map(|mesh| mesh.parse().unwrap()), measure, |mesh: Elements, ours, naive| {
         let [unknowns, seconds, error, entries, gflop, megabytes, process, best @ ..] = ours;
-        let told = |x: f64, text: String| if x.is_nan() { "-".to_string() } else { text };
+        let shown = |x: f64, text: String| if x.is_nan() { "-".to_string() } else { text };
         let mut row = vec![mesh.to_string(), unknowns.to_string()];
-        row.extend([seconds, best[0], naive[1]].map(|seconds| told(seconds, format!("{seconds:.4}"))));
-        row.push(told(naive[1], format!("{:.2}", naive[1] / seconds)));
-        row.extend([entries, best[1], naive[3]].map(|entries| told(entries, format!("{entries:.2e}"))));
-        row.extend([gflop, best[2], naive[4]].map(|gflop| told(gflop, format!("{gflop:.2}"))));
+        row.extend([seconds, best[0], naive[1]].map(|seconds| shown(seconds, format!("{seconds:.4}"))));
+        row.push(shown(naive[1], format!("{:.2}", naive[1] / seconds)));
+        row.extend([entries, best[1], naive[3]].map(|entries| shown(entries, format!("{entries:.2e}"))));
+        row.extend([gflop, best[2], naive[4]].map(|gflop| shown(gflop, format!("{gflop:.2}"))));
         row.push(format!("{:.1}", gflop / seconds));
-        row.extend([error, naive[2]].map(|error| told(error, format!("{error:.1e}"))));
-        row.extend([megabytes, naive[5], process, naive[6]].map(|mb| told(mb, format!("{mb:.0}"))));
+        row.extend([error, naive[2]].map(|error| shown(error, format!("{error:.1e}"))));
+        row.extend([megabytes, naive[5], process, naive[6]].map(|mb| shown(mb, format!("{mb:.0}"))));
         table.push(row);
     });
     if table.is_empty() {

@@ -171,8 +171,8 @@ fn main() {
             let tight = Tight { solver: solver(multigrid), tells, seconds };
             let report =
                 run.solve_with((Box::new(tight) as Box<dyn LinearSolver>).into(), Sink::Observer(&mut ())).unwrap();
-            let told: Vec<(usize, bool)> = told.iter().collect();
-            (report, told, times.iter().sum::<f64>())
+            let counts: Vec<(usize, bool)> = told.iter().collect();
+            (report, counts, times.iter().sum::<f64>())
         };
         let (_, told, seconds) = measured(true);
         let (direct, _, direct_seconds) = measured(false);

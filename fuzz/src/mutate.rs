@@ -60,18 +60,18 @@ fn change(random: &mut Random, text: &mut Vec<u8>, other: &[u8], words: &[String
             text.splice(at..at, bytes);
         }
         3 => {
-            let range = part(random, text.len(), 20);
+            let range = random_range(random, text.len(), 20);
             text.drain(range);
         }
         4 => {
-            let range = part(random, text.len(), 40);
+            let range = random_range(random, text.len(), 40);
             let at = random.below(text.len() + 1);
             let bytes = text[range].to_vec();
             text.splice(at..at, bytes);
         }
         5 => text.truncate(random.below(text.len() + 1)),
         6 => {
-            let (at, part) = (random.below(text.len() + 1), part(random, other.len(), 200));
+            let (at, part) = (random.below(text.len() + 1), random_range(random, other.len(), 200));
             text.splice(at..at, other[part].to_vec());
         }
         7 | 8 => {
@@ -119,7 +119,7 @@ fn with_byte(random: &mut Random, text: &mut [u8], change: impl Fn(u8, &mut Rand
     }
 }
 
-fn part(random: &mut Random, length: usize, most: usize) -> Range<usize> {
+fn random_range(random: &mut Random, length: usize, most: usize) -> Range<usize> {
     let start = random.below(length + 1);
     start..(start + random.below(most + 1)).min(length)
 }

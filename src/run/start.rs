@@ -83,6 +83,6 @@ fn difference(model: &Model, at: f64, a: &State, b: &State) -> Option<f64> {
     let problem = &model.problem;
     let mu = model.loading.friction().map_or_else(|| problem.mu().to_vec(), |friction| friction.at(at));
     let apart = problem.force_norm(|i| [a.p_t[i] - b.p_t[i], a.p_o[i] - b.p_o[i]]);
-    let bears = problem.force_norm(|i| [mu[i] * b.p_n[i]]);
-    (bears > 0.0).then(|| apart / bears)
+    let bound = problem.force_norm(|i| [mu[i] * b.p_n[i]]);
+    (bound > 0.0).then(|| apart / bound)
 }

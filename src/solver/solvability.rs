@@ -198,8 +198,8 @@ impl FrictionCone {
         let rows = problem.tangential_maps().map(|map| map.row(i));
         FrictionCone {
             mu,
-            normal: free.felt(problem.c_n().row(i)),
-            tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.felt(row)).collect(),
+            normal: free.products(problem.c_n().row(i)),
+            tangents: rows.into_iter().filter(|row| !row.is_empty()).map(|row| free.products(row)).collect(),
         }
     }
 
@@ -236,7 +236,7 @@ impl FrictionCone {
 /// direction.
 fn leaving(problem: &ContactProblem) -> Option<Vec<f64>> {
     let free = Free::new(problem);
-    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.felt(problem.c_n().row(i))).collect();
+    let rows: Vec<Vec<f64>> = (0..problem.contacts()).map(|i| free.products(problem.c_n().row(i))).collect();
     let dimension = problem.rigid_modes().len();
     // First tries the direction away from all rows at once, which is the simplest answer.
     let away: Vec<f64> = (0..dimension).map(|k| -rows.iter().map(|row| row[k]).sum::<f64>()).collect();
@@ -277,9 +277,9 @@ impl<'a> Free<'a> {
     fn work(&self, load: &Load<'_>) -> (Vec<f64>, Vec<f64>) {
         let of = |(motion, largest): (&Vec<f64>, &f64)| {
             // Rounding in a mode's zero components counts as zero, since it would be multiplied by whole forces.
-            let felt = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
-            let size = motion.iter().zip(load.sizes).map(|(u, size)| (felt(u) * size).abs()).sum::<f64>() / largest;
-            (motion.iter().zip(load.force).map(|(u, f)| felt(u) * f).sum::<f64>() / largest, size)
+            let nonzero = |u: &f64| if u.abs() <= NEGLIGIBLE * largest { 0.0 } else { *u };
+            let size = motion.iter().zip(load.sizes).map(|(u, size)| (nonzero(u) * size).abs()).sum::<f64>() / largest;
+            (motion.iter().zip(load.force).map(|(u, f)| nonzero(u) * f).sum::<f64>() / largest, size)
         };
         self.motions.iter().zip(&self.largest).map(of).unzip()
     }
@@ -303,7 +303,7 @@ impl<'a> Free<'a> {
 
     /// Returns the product of a contact row with each mode. Rounding counts as zero, because the cone uses any
     /// vector, however short, as a direction.
-    fn felt(&self, row: &[(usize, f64)]) -> Vec<f64> {
+    fn products(&self, row: &[(usize, f64)]) -> Vec<f64> {
         let size: f64 = row.iter().map(|(_, c)| c.abs()).sum();
         (self.motions.iter().zip(&self.largest))
             .map(|(motion, largest)| row.iter().map(|&(j, c)| c * motion[j]).sum::<f64>() / largest)

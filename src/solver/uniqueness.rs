@@ -259,7 +259,7 @@ mod tests {
     use crate::solver::problem::Parts;
 
     /// The motions that a closed node leaves to a point with the free `motions`, whose row is `length` times that of unit length.
-    fn left(motions: Vec<Vec<f64>>, length: f64) -> Vec<NeutralMotion> {
+    fn remaining_motions(motions: Vec<Vec<f64>>, length: f64) -> Vec<NeutralMotion> {
         let c_n = Csr::from_rows(2, [[(1, length)]]).unwrap();
         let stiffness = Symmetric::from_triplets(2, &[(0, 0, 0.0), (1, 1, 0.0)]).unwrap();
         let parts = Parts { rigid_modes: Some(motions), ..Parts::new(stiffness, c_n) };
@@ -273,12 +273,12 @@ mod tests {
     fn the_length_of_rows_and_motions_says_nothing() {
         for length in [1e-12, 1.0, 1e12] {
             for size in [1e-12, 1.0, 1e12] {
-                let motions = left(vec![vec![size, 0.0], vec![0.0, size]], length);
+                let motions = remaining_motions(vec![vec![size, 0.0], vec![0.0, size]], length);
                 assert_eq!(motions.len(), 1, "{length} {size}");
                 let [x, y] = motions[0].weights[..] else { panic!("{motions:?}") };
                 assert!(y.abs() < 1e-15 * x.abs(), "{motions:?}");
                 // A remainder along the row that is only rounding stops nothing.
-                assert_eq!(left(vec![vec![size, 1e-15 * size]], length).len(), 1, "{length} {size}");
+                assert_eq!(remaining_motions(vec![vec![size, 1e-15 * size]], length).len(), 1, "{length} {size}");
             }
         }
     }

@@ -220,11 +220,11 @@ impl Problem {
                 let mesh = block(vec![graded(1.0, n, false), graded(1.0, n, true)]).build()?;
                 let outside = ["right", "bottom"].into_iter().filter_map(|name| mesh.boundary(name));
                 let nodes: BTreeSet<usize> = outside.flat_map(|boundary| boundary.facets.concat()).collect();
-                let held = nodes.into_iter().map(|node| {
+                let supported = nodes.into_iter().map(|node| {
                     let [r, y, _] = mesh.nodes[node];
                     Support::new("", &[Axis::X, Axis::Y]).at([r, y]).moved(&boussinesq(r, 1.0 - y))
                 });
-                let supports = held.collect();
+                let supports = supported.collect();
                 let description = of(MeshSource::Given(Arc::clone(&mesh)));
                 let material = description.material.clone().in_plane(Plane::Axisymmetric);
                 Description { supports, material, ..description }.contact("top", 0.0, gap("0.5 * x^2 - 0.0004")?)
@@ -237,11 +237,11 @@ impl Problem {
 /// its `length`, the first of which is longer than the fine ones by the ratio of the progression.
 fn graded(length: f64, n: usize, fine_at_the_end: bool) -> Vec<Segment> {
     let (fine, rest) = (FINE / n as f64, length - FINE);
-    let reach = |ratio: f64| (1..=n as i32).map(|k| fine * ratio.powi(k)).sum::<f64>();
+    let extent = |ratio: f64| (1..=n as i32).map(|k| fine * ratio.powi(k)).sum::<f64>();
     let (mut low, mut high) = (1.0, 1e6_f64);
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if reach(middle) < rest { low = middle } else { high = middle }
+        if extent(middle) < rest { low = middle } else { high = middle }
     }
     let grading = low.powi(n as i32 - 1);
     let equal = Segment { length: FINE, elements: n, grading: 1.0 };

@@ -147,7 +147,7 @@ impl Shape {
 }
 
 impl Case {
-    fn part(&self, body: usize) -> Mesh {
+    fn mesh_of(&self, body: usize) -> Mesh {
         let Case { shape, second_order, .. } = *self;
         let n = self.elements[body];
         let across = (n / 2).max(3);
@@ -192,7 +192,7 @@ impl Case {
     /// The two bodies, with gaps that are measured.
     pub fn description(&self, slave: Slave) -> Description {
         let mesh = MeshSource::Bodies(
-            ["first", "second"].iter().enumerate().map(|(k, name)| Body::new(name, self.part(k))).collect(),
+            ["first", "second"].iter().enumerate().map(|(k, name)| Body::new(name, self.mesh_of(k))).collect(),
         );
         let material = Material::new(YOUNG, NU);
         let material = match self.shape {
@@ -206,8 +206,10 @@ impl Case {
         if matches!(self.shape, Shape::Pin | Shape::Socket) {
             let both = ["first", "second"];
             let ends = both.iter().flat_map(|name| ["bottom", "top"].map(|end| format!("{name}:{end}")));
-            let held = ends.fold(body, |body, end| body.support(&end, &[Axis::X]));
-            return held.support("second:right", &[Axis::X, Axis::Y]).load(Load::new("first:left", &[0.0, -PRESSURE]));
+            let supported = ends.fold(body, |body, end| body.support(&end, &[Axis::X]));
+            return supported
+                .support("second:right", &[Axis::X, Axis::Y])
+                .load(Load::new("first:left", &[0.0, -PRESSURE]));
         }
         let body = ["first", "second"].iter().fold(body, |body, name| {
             let at = |side: &str| format!("{name}:{side}");

@@ -1,7 +1,7 @@
 //! The names that most tests use: the types of the library, and the helpers that stand beside this file.
 
 pub use super::runs::{
-    apart, balanced, bn, both, converged, each, forces_apart, history_of, iterations, kept, largest, settings_of,
+    apart, balanced, bn, both, converged, each, forces_apart, history_of, iterations, largest, recorded, settings_of,
     solved_by_bn, solver_of,
 };
 pub use super::{

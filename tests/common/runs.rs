@@ -43,7 +43,7 @@ pub fn history_of(
 }
 
 /// Solves a history in this way and keeps the states of all increments.
-pub fn kept(
+pub fn recorded(
     model: &Model,
     times: &[f64],
     settings: &HistorySettings,
@@ -54,7 +54,7 @@ pub fn kept(
 }
 
 /// An observer that passes each increment on.
-pub fn each(see: impl FnMut(&IncrementView<'_>)) -> impl Observer {
+pub fn each(observe: impl FnMut(&IncrementView<'_>)) -> impl Observer {
     struct Each<F>(F);
     impl<F: FnMut(&IncrementView<'_>)> Observer for Each<F> {
         fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
@@ -62,7 +62,7 @@ pub fn each(see: impl FnMut(&IncrementView<'_>)) -> impl Observer {
             ControlFlow::Continue(())
         }
     }
-    Each(see)
+    Each(observe)
 }
 
 /// The report of a run, which has converged.

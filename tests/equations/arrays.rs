@@ -264,8 +264,8 @@ fn an_interior_point_method_that_fails_at_its_first_step() {
             let settings = HistorySettings::new(&problem, &loading, method).unwrap();
             let outcome =
                 history::run(&problem, &loading, &[1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
-            let kept = outcome.records.iter().all(|record| record.kkt.worst().1 <= settings.tolerance);
-            assert_eq!(outcome.status == Status::Converged, kept && !outcome.records.is_empty(), "{method}");
+            let are_solved = outcome.records.iter().all(|record| record.kkt.worst().1 <= settings.tolerance);
+            assert_eq!(outcome.status == Status::Converged, are_solved && !outcome.records.is_empty(), "{method}");
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::neutral::{agreed, solve};
 const METHODS: [Method; 2] = [Method::BN, Method::Ip];
 
 /// A steel block of 10 mm at a distance from a floor and a wall, pressed against both.
-fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
+fn approaching(elements: &str, gap: f64, force: f64) -> Model {
     let plane = elements.split(',').count() == 2;
     let (size, down, left) = if plane {
         ("[0.01, 0.01]", format!("[0, -{force:e}]"), format!("[-{force:e}, 0]"))
@@ -33,7 +33,7 @@ fn on_the_way(elements: &str, gap: f64, force: f64) -> Model {
 fn a_block_comes_to_rest_in_a_corner() {
     for elements in ["6, 6", "3, 3, 3"] {
         for (gap, force) in [(1e-5, 1e3), (1e-3, 1e3), (1e-3, 10.0), (1e-2, 0.1)] {
-            let model = on_the_way(elements, gap, force);
+            let model = approaching(elements, gap, force);
             for method in METHODS {
                 let outcome = agreed(&model, method, 20);
                 // One tangent lies in the other obstacle's normal: friction at one counts at the other.
@@ -49,7 +49,7 @@ fn a_block_comes_to_rest_in_a_corner() {
 /// Who measures the state from outside finds what its verdict says.
 #[test]
 fn a_body_that_was_carried_is_in_equilibrium() {
-    let model = on_the_way("3, 3, 3", 1e-3, 10.0);
+    let model = approaching("3, 3, 3", 1e-3, 10.0);
     let settings = settings_of(&model, Method::BN);
     let mut measured = Vec::new();
     let measure = |step: &IncrementView<'_>| {
@@ -107,9 +107,9 @@ fn a_body_without_load_is_pushed_out() {
         for method in METHODS {
             let outcome = agreed(&model, method, 0);
             assert!(outcome.state.p_n.iter().chain(&outcome.state.p_t).all(|p| *p == 0.0));
-            let way = -gap / 0.96;
+            let displacement = -gap / 0.96;
             let moved = model.dofs.displacements(&outcome.state.u);
-            let off = moved.iter().map(|u| (u[0] - 0.96 * way).abs().max((u[1] - 0.28 * way).abs()));
+            let off = moved.iter().map(|u| (u[0] - 0.96 * displacement).abs().max((u[1] - 0.28 * displacement).abs()));
             assert!(off.fold(0.0, f64::max) <= 1e-15 * gap.abs(), "{gap}: {moved:?}");
         }
     }

@@ -211,12 +211,12 @@ fn what_cannot_be_factored() {
         singular(&from(2, &[(0, 0, 1.0), (1, 0, 1.0), (1, 1, 1.0)]), &[]);
         singular(&from(2, &[(0, 0, 0.0), (1, 1, 1.0)]), &[]);
         for bad in [f64::NAN, f64::INFINITY] {
-            let sound = from(2, &[(0, 0, 1.0), (1, 0, 0.1), (1, 1, 1.0)]);
+            let regular = from(2, &[(0, 0, 1.0), (1, 0, 0.1), (1, 1, 1.0)]);
             // Column by column: below the diagonal, and on it.
             for place in [1, 2] {
-                let mut values = sound.lower().values().to_vec();
+                let mut values = regular.lower().values().to_vec();
                 values[place] = bad;
-                let lower = Csc::new(sound.lower().pattern().clone(), values).unwrap();
+                let lower = Csc::new(regular.lower().pattern().clone(), values).unwrap();
                 let unsound = Symmetric::from_lower(lower).unwrap();
                 assert!(matches!(factor(&unsound, &[]), Err(LinearError::NotFinite)));
             }

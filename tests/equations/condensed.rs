@@ -8,7 +8,7 @@ const SUPPORT: &str = "[[support]]\nboundary = \"left\"\nfix = [\"x\", \"y\"]\n"
 
 fn run(model: &Model, times: &[f64], backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let settings = settings_of(model, Method::BN).until(100, 1e-10);
-    kept(model, times, &settings, backend)
+    recorded(model, times, &settings, backend)
 }
 
 /// Any contact forces and displacements: the interior is in equilibrium, and what the contact nodes lack is

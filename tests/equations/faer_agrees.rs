@@ -20,7 +20,7 @@ fn ip(model: &Model) -> HistorySettings {
 
 fn run(scene: &Scene, settings: Settings, backend: LinearAlgebra) -> (Vec<State>, HistoryOutcome) {
     let model = discretise(scene).unwrap();
-    let (outcome, keep) = kept(&model, &scene.time.all(), &settings(&model), backend);
+    let (outcome, keep) = recorded(&model, &scene.time.all(), &settings(&model), backend);
     (keep.states, outcome)
 }
 

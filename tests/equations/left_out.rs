@@ -6,7 +6,7 @@ fn solve(scene: &Scene, backend: LinearAlgebra) -> (HistoryOutcome, Keep) {
     let model = discretise(scene).unwrap();
     let solver = &scene.solver;
     let settings = settings_of(&model, Method::BN).until(solver.max_iterations, solver.tolerance);
-    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, backend);
+    let (outcome, keep) = recorded(&model, &scene.time.all(), &settings, backend);
     assert_eq!(outcome.status, Status::Converged);
     (outcome, keep)
 }

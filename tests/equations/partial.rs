@@ -47,7 +47,7 @@ fn run_to(
     system: SystemSolver,
 ) -> (HistoryOutcome, Vec<State>) {
     let settings = settings_of(model, method).until(200, tolerance);
-    let (outcome, keep) = kept(model, &scene.time.all(), &settings, system);
+    let (outcome, keep) = recorded(model, &scene.time.all(), &settings, system);
     (outcome, keep.states)
 }
 

@@ -228,8 +228,8 @@ fn touch(random: &mut Random, case: &mut Case) {
     let history = history.filter(|_| friction.constant > 0.0);
     case.contacts.push(Contact { boundary: "bottom", friction, history, shape, nearest: nearest && !formula, motion });
     for (side, share) in [("right", 15), ("top", 6), ("left", 6)] {
-        let held = case.supports.iter().any(|support| support.boundary == side);
-        if random.percent(share) && !held && (case.plane != "axisymmetric" || side != "left") {
+        let is_supported = case.supports.iter().any(|support| support.boundary == side);
+        if random.percent(share) && !is_supported && (case.plane != "axisymmetric" || side != "left") {
             let gap = random.decades(-6.0, -3.0) * size[up] * random.one(&[1.0, -1.0]);
             let contact = Contact {
                 boundary: side,

@@ -55,7 +55,7 @@ pub(super) fn text(random: &mut Random) -> String {
     let first = body(random, "a", [0.0, 0.0], [1.0, 1.0]) + &pressed(random, "a:top", deep);
     let first = first + &on_plane(random, "a:bottom", gap);
     let glue = "[[contact]]\nglue = true\n";
-    let rest = match random.below(4) {
+    let remaining = match random.below(4) {
         3 => return plug(random, deep, width) + &time,
         0 => {
             let second = body(random, "b", [1.0, 0.0], [width, 1.0]) + &pressed(random, "b:top", deep);
@@ -73,5 +73,5 @@ pub(super) fn text(random: &mut Random) -> String {
             )
         }
     };
-    first + &rest + &time
+    first + &remaining + &time
 }

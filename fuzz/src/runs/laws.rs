@@ -42,8 +42,8 @@ impl Double {
 /// The displacements without their part along the motions that strain nothing, for what rounding has left of these in `K` is not
 /// the state's.
 fn strained(model: &Model, state: &State) -> Vec<Double> {
-    let rest = |i: usize| state.u_rest.get(i).copied().unwrap_or(0.0);
-    let mut u: Vec<Double> = state.u.iter().enumerate().map(|(i, u)| Double { high: *u, low: rest(i) }).collect();
+    let u_rest = |i: usize| state.u_rest.get(i).copied().unwrap_or(0.0);
+    let mut u: Vec<Double> = state.u.iter().enumerate().map(|(i, u)| Double { high: *u, low: u_rest(i) }).collect();
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for motion in model.problem.rigid_modes() {
@@ -88,12 +88,12 @@ fn imbalance(model: &Model, force: &[f64], state: &State) -> Vec<f64> {
 
 /// A row of `map` on the displacements of a state beside those of another, less `offset`; either may be far beyond the difference.
 fn along(map: &Csr, i: usize, state: &State, other: &State, offset: f64) -> f64 {
-    let rest = |state: &State, dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
+    let u_rest = |state: &State, dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
     let mut sum = Double::default();
     for (dof, c) in map.row(i) {
         sum.add_product(*c, state.u[*dof]);
         sum.add_product(-*c, other.u[*dof]);
-        sum.add(c * (rest(state, *dof) - rest(other, *dof)));
+        sum.add(c * (u_rest(state, *dof) - u_rest(other, *dof)));
     }
     sum.add(-offset);
     sum.value()
@@ -230,8 +230,8 @@ impl<'a> Data<'a> {
     /// What is wrong, if an error, relative to its scale, is above what is allowed, or no number.
     fn too_large(&self, what: &str, place: usize, error: f64, scale: f64) -> Option<String> {
         let relative = relative(error, scale);
-        let met = relative <= self.allowed;
-        (!met).then(|| format!("{what} at {place}: {relative:.2e} instead of {:.2e}", self.allowed))
+        let holds = relative <= self.allowed;
+        (!holds).then(|| format!("{what} at {place}: {relative:.2e} instead of {:.2e}", self.allowed))
     }
 
     fn equilibrium(&self, state: &State) -> Option<String> {

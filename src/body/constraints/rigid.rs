@@ -230,11 +230,11 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
         let all: Vec<(usize, &BodyMotion)> = moves.into_iter().chain(turns).collect();
         // The forms have directions of unit length, and the motions displacements of about one.
         let row = |form: &[(usize, [f64; 3])]| -> Row {
-            let felt = |k: usize, motion: &BodyMotion| {
+            let projected = |k: usize, motion: &BodyMotion| {
                 let own = form.iter().filter(|(node, _)| of(*node) == k);
                 own.map(|(node, c)| dot(dofs.in_motion(mesh, *node, motion), *c)).sum()
             };
-            Row::of_unit_size(all.iter().map(|(k, motion)| felt(*k, motion)).collect())
+            Row::of_unit_size(all.iter().map(|(k, motion)| projected(*k, motion)).collect())
         };
         // The ties contain the held directions of jumps.
         let nodes = 0..dofs.node_of_jump(0);

@@ -95,12 +95,12 @@ pub fn meetings(
     let mut assigned = Vec::new();
     for node in boundary.nodes() {
         let x = mesh.nodes[node];
-        let shows = |facing: &Facing| {
+        let is_in_front = |facing: &Facing| {
             outsides.get(&node).is_none_or(|outside| dot(*outside, facing.normal) > ALONG * norm(*outside))
         };
         let facings: Vec<(usize, Facing)> = (obstacles.iter().enumerate())
             .map(|(k, (obstacle, _))| (k, obstacle.at(x)))
-            .filter(|(_, facing)| shows(facing))
+            .filter(|(_, facing)| is_in_front(facing))
             .collect();
         let nearest = |distance: &dyn Fn(usize, &Facing) -> f64| {
             let distances = facings.iter().map(|(k, facing)| (distance(*k, facing), *k, *facing));

@@ -45,7 +45,7 @@ pub(crate) struct NodalVolume {
 impl NodalVolumes {
     /// Returns `true` if cells of this kind have averaged dilatations; quadrilaterals and hexahedra of first order, for
     /// which there is B-bar, keep their own dilatation.
-    pub fn take(kind: CellKind) -> bool {
+    pub fn apply_to(kind: CellKind) -> bool {
         kind.is_simplex() || kind.is_prism() || kind.is_quadratic()
     }
 
@@ -62,7 +62,7 @@ impl NodalVolumes {
         let laws = numbered((0..mesh.cells.len()).map(&material));
         let mut known = HashMap::new();
         for (e, (cell, law)) in mesh.cells.iter().zip(laws).enumerate() {
-            let corners = if Self::take(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
+            let corners = if Self::apply_to(cell.kind) { &cell.nodes[..cell.kind.corners()] } else { &[] };
             let mut index = |corner: &usize| {
                 *known.entry((*corner, law)).or_insert_with(|| {
                     all.volumes.push(NodalVolume { bulk: material(e).bulk(), ..NodalVolume::default() });

@@ -334,18 +334,18 @@ impl Model {
             }
             add(&mut forces, 1.0, parts);
         }
-        let mut felt = |node: usize, force: [f64; 3]| {
+        let mut wrench = |node: usize, force: [f64; 3]| {
             size += norm(force);
             self.wrench_on(node, force)
         };
         let mut supports = Vec::with_capacity(shares.len());
         for share in shares {
             let of_node = |(node, matrix): &(usize, [[f64; 3]; 3])| (*node, matrix.map(|row| dot(row, forces[*node])));
-            supports.push(share.iter().map(of_node).map(|(node, force)| felt(node, force)).sum());
+            supports.push(share.iter().map(of_node).map(|(node, force)| wrench(node, force)).sum());
         }
         let displaced = if springs.is_empty() { Vec::new() } else { self.all_displaced(t, &state.u) };
         let of_bed = |bed: &Vec<Spring>| {
-            bed.iter().flat_map(|spring| spring.forces(&displaced)).map(|(node, force)| felt(node, force)).sum()
+            bed.iter().flat_map(|spring| spring.forces(&displaced)).map(|(node, force)| wrench(node, force)).sum()
         };
         let springs: Vec<Wrench> = springs.iter().map(of_bed).collect();
         size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();

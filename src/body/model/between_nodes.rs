@@ -163,8 +163,8 @@ impl Model {
                     let size = edges.iter().map(|edge| norm(along(*edge))).fold(0.0, f64::max);
                     for place in places {
                         let there = nearest_at(&place).distance;
-                        let said: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
-                        let missed = if touches && !said.is_nan() { (there - said).abs() } else { -there };
+                        let linear: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
+                        let missed = if touches && !linear.is_nan() { (there - linear).abs() } else { -there };
                         let position = mean(&place, &|node| self.mesh.nodes[node]);
                         let missed = missed - ARC * arcs - noise - DISTANCE_ROUNDING * norm(position);
                         if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {

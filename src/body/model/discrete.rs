@@ -89,7 +89,7 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
             let help = "use \"nodal-volume\" near nu = 1/2; up to nu = 0.49 cells of second order need no remedy";
             Err(InputError::new("mesh.element", message, help))
         }
-        Element::NodalVolume => match kinds().find(|kind| !NodalVolumes::take(*kind)) {
+        Element::NodalVolume => match kinds().find(|kind| !NodalVolumes::apply_to(*kind)) {
             None => Ok(element),
             Some(kind) => {
                 let message = format!("mesh.element is \"nodal-volume\", but the mesh has a {}", kind.name());

@@ -56,7 +56,7 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Option<Warning> {
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
     let at = at(contact);
     if contact.unresolved_share > ISOLATED || contact.isolated_share > ISOLATED {
-        let bears = if contact.isolated_share > ISOLATED {
+        let reason = if contact.isolated_share > ISOLATED {
             format!("{} of the force is on nodes without a closed neighbour", percent(contact.isolated_share))
         } else {
             format!("{} of the force is on zones of up to 3 nodes across", percent(contact.unresolved_share))
@@ -72,7 +72,7 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Option<Warning> {
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
-        let message = format!("{at}: {bears}, so pressure and contact width are meaningless there{finer}");
+        let message = format!("{at}: {reason}, so pressure and contact width are meaningless there{finer}");
         return Some(Warning { kind: WarningKind::ContactUnresolved, message });
     }
     let n = contact.nodes_across.filter(|&n| n < FINE)?;

@@ -285,7 +285,7 @@ impl Dictionary {
 }
 
 impl Tangent for Dictionary {
-    fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
         let changed: Vec<usize> = if self.table.is_empty() {
             (0..statuses.len()).collect()
         } else {

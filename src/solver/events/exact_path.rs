@@ -346,7 +346,7 @@ impl<'a> ExactPath<'a> {
             Found::Rates => {}
             found => {
                 // Restores the equations of the state reached.
-                self.equations.take(&self.now.statuses)?;
+                self.equations.set_statuses(&self.now.statuses)?;
                 return Ok(Some(PathEnd { time: self.time(), certain: matches!(found, Found::None) }));
             }
         }

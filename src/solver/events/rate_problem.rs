@@ -69,7 +69,7 @@ impl RateSearch<'_> {
     /// Computes the rates of these statuses. Returns `true` if they have any.
     pub(super) fn rates(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
         self.effort.solves += 1;
-        Ok(self.tangent.take(statuses)? && self.tangent.solve(self.problem.given, self.rate)?)
+        Ok(self.tangent.set_statuses(statuses)? && self.tangent.solve(self.problem.given, self.rate)?)
     }
 
     /// Keeps `statuses` if they are the best so far.

@@ -41,7 +41,7 @@ pub(super) trait Tangent {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError>;
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError>;
 
     /// Solves the equations for the current statuses and writes the solution to `answer`. Returns `true` if it
     /// satisfies them.
@@ -124,7 +124,7 @@ impl<'a> SparseTangent<'a> {
 }
 
 impl Tangent for SparseTangent<'_> {
-    fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
         let tangents = &self.tangents;
         self.rows.set_cases(statuses.iter().enumerate().map(|(i, status)| {
             let normal = if status.is_closed() { NormalCase::Closed } else { NormalCase::Open };
@@ -202,7 +202,7 @@ impl Tangent for SparseTangent<'_> {
     /// Factors the matrix of the snapshot's statuses alone, since intermediate statuses may be singular.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
         if !snapshot.statuses.is_empty() {
-            self.take(&snapshot.statuses)?;
+            self.set_statuses(&snapshot.statuses)?;
         }
         Ok(true)
     }
@@ -261,7 +261,7 @@ impl<'a> Refined<'a> {
     }
 
     /// Returns the residual of a solution for the `given` data.
-    fn left(&self, given: &Given, of: &NodalContact) -> Result<Given, LinearError> {
+    fn residual(&self, given: &Given, of: &NodalContact) -> Result<Given, LinearError> {
         let Scaling { force, length } = self.scaling;
         let state = self.state(of);
         let load: Vec<f64> = given.force.iter().map(|f| f * force).collect();
@@ -286,9 +286,9 @@ impl<'a> Refined<'a> {
 }
 
 impl Tangent for Refined<'_> {
-    fn take(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
         self.statuses = statuses.to_vec();
-        self.equations.take(statuses)
+        self.equations.set_statuses(statuses)
     }
 
     fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
@@ -302,7 +302,7 @@ impl Tangent for Refined<'_> {
         answer.u_rest = vec![0.0; answer.u.len()];
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            let left = self.left(given, answer)?;
+            let left = self.residual(given, answer)?;
             let violation = largest(&left.force);
             if violation >= 0.5 * before {
                 break;

@@ -333,7 +333,7 @@ const FAR: f64 = 1e3;
 impl Bdiff {
     /// Returns `true` if all nodes of the parts that the rigid `motion` moves keep their cases of the last linearisation at `z`
     /// and however far they move on along it; `part` are the parts of the nodes. Other parts know nothing of it.
-    pub fn moves_on(&self, z: &[f64], mut motion: Vec<f64>, part: &[usize]) -> bool {
+    pub fn keeps_cases_along(&self, z: &[f64], mut motion: Vec<f64>, part: &[usize]) -> bool {
         let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         motion.resize(z.len(), 0.0);
         let data = &self.data;

@@ -153,7 +153,7 @@ impl IncrementDriver<'_> {
         let gap = moved(&self.stage.gap, w_n);
         let (w_t_last, w_o_last) = (moved(&self.stage.w_t_last, w_t), moved(&self.stage.w_o_last, w_o));
         let data = Increment { gap: &gap, w_t_last: &w_t_last, w_o_last: &w_o_last, ..self.data() };
-        evaluate(&data, &self.history.offset.whole(state))
+        evaluate(&data, &self.history.offset.to_absolute(state))
     }
 
     /// Returns the time-step error of the increments so far.

@@ -128,8 +128,8 @@ impl Node {
             return 0.5;
         }
         let excess = |rate: &NodeRate, share: f64| {
-            let bears = (self.mu + share * (mu - self.mu)) * positive(self.p_n + share * rate.p_n);
-            length([0, 1].map(|d| self.p[d] + share * rate.p[d])) - bears
+            let bound = (self.mu + share * (mu - self.mu)) * positive(self.p_n + share * rate.p_n);
+            length([0, 1].map(|d| self.p[d] + share * rate.p[d])) - bound
         };
         (2.0 + rate.map_or(0.0, |rate| bisected(|share| excess(rate, share)))) / 3.0
     }
@@ -162,7 +162,7 @@ pub(super) struct ErrorEquations<'a> {
 impl ErrorEquations<'_> {
     /// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
     /// regular.
-    fn take(&mut self, cases: &[(bool, TangentialCase)]) -> Result<bool, LinearError> {
+    fn linearize_for(&mut self, cases: &[(bool, TangentialCase)]) -> Result<bool, LinearError> {
         if self.bn.has_factors(self.linear) && self.formulation.is_linearized_for(cases) {
             return Ok(true);
         }
@@ -291,7 +291,7 @@ impl IncrementErrors {
         }
         let cases: Vec<_> = self.nodes.iter().map(|node| (node.closed, node.case)).collect();
         // Pinning springs of an unconstrained mode would carry the loads.
-        if !at.take(&cases)? || at.formulation.is_pinned() {
+        if !at.linearize_for(&cases)? || at.formulation.is_pinned() {
             return Ok(None);
         }
         let unit = self.scaling;
@@ -388,11 +388,11 @@ impl IncrementErrors {
         }
         self.first.get_or_insert(self.work - self.corrected);
         let sizes = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| friction_of_all(formulation, weight, z)));
-        let bears = (0..layout.contacts()).map(|i| {
+        let bounds = (0..layout.contacts()).map(|i| {
             let (_, mu, _) = formulation.at_node(i);
             (mu * z[layout.p_n(i)]).powi(2) / weight.map_or(1.0, |l| l[i])
         });
-        let sizes = [sizes[0], sizes[1], bears.sum::<f64>().sqrt()];
+        let sizes = [sizes[0], sizes[1], bounds.sum::<f64>().sqrt()];
         self.largest = [0, 1, 2].map(|k| self.largest[k].max(sizes[k]));
         let sums = [error.as_deref(), Some(z)].map(|z| z.map_or(0.0, |z| resultant(formulation, z)));
         if sums[1] > self.sums[1] {
@@ -486,7 +486,7 @@ impl IncrementErrors {
             _ => [0.0; 2],
         };
         let origin: Vec<[f64; 2]> = self.nodes.iter().zip(cases).zip(begins).map(moved).collect();
-        if !self.is_straight || origin.iter().all(|w| *w == [0.0; 2]) || !at.take(cases)? {
+        if !self.is_straight || origin.iter().all(|w| *w == [0.0; 2]) || !at.linearize_for(cases)? {
             return Ok(None);
         }
         at.change([], &vec![0.0; origin.len()], &origin)

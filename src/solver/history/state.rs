@@ -69,7 +69,7 @@ impl HistoryState {
             worst_backward_error: 0.0,
             friction: vec![0.0; problem.natural().parts],
             scales: KktScales::default(),
-            offset: RigidOffset::nowhere(problem),
+            offset: RigidOffset::zero(problem),
             w_n: zeros(),
             w_t: zeros(),
             w_o: zeros(),
@@ -186,7 +186,7 @@ pub(super) struct RigidOffset {
 
 impl RigidOffset {
     /// Creates the offset of a body that has not moved.
-    pub(super) fn nowhere(problem: &ContactProblem) -> Self {
+    pub(super) fn zero(problem: &ContactProblem) -> Self {
         let zeros = || vec![0.0; problem.contacts()];
         RigidOffset { u: Vec::new(), w_n: zeros(), w_t: [zeros(), zeros()] }
     }
@@ -215,7 +215,7 @@ impl RigidOffset {
     }
 
     /// Converts a `state` relative to the offset into one relative to the initial configuration.
-    pub(super) fn whole(&self, state: &State) -> State {
+    pub(super) fn to_absolute(&self, state: &State) -> State {
         let mut whole = state.clone();
         if self.is_nonzero() {
             let u_rest = state.u_rest.iter().chain(std::iter::repeat(&0.0));

@@ -138,7 +138,7 @@ impl Strategy {
             let v = problem.rigid_motion(&motion);
             let friction = friction_work(problem, increment.mu, &state.p_n, &v);
             let moves = excess(&state.p_n, &motion) > DRAGGED * friction;
-            if moves && formulation.moves_on(&z, v, &problem.natural().contact_part) {
+            if moves && formulation.keeps_cases_along(&z, v, &problem.natural().contact_part) {
                 result.stop =
                     if friction > 0.0 { Termination::Slips(motion) } else { Termination::NoEquilibrium(motion) };
             }

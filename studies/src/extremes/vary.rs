@@ -72,16 +72,16 @@ const STEPS: usize = 12;
 /// power iteration on `K` and on its inverse; infinite if it is singular even then.
 pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     let problem = &model.problem;
-    let mut held = Bdiff::new(problem, model.scaling(), &FormulationScaling::natural(problem));
-    held.clamp_contacts();
+    let mut formulation = Bdiff::new(problem, model.scaling(), &FormulationScaling::natural(problem));
+    formulation.clamp_contacts();
     let mut linear = RefinedSolver::default();
-    linear.analyze(held.jacobian())?;
-    match linear.factorize(held.jacobian()) {
+    linear.analyze(formulation.jacobian())?;
+    match linear.factorize(formulation.jacobian()) {
         Ok(_) => {}
         Err(LinearError::Singular { .. }) => return Ok(f64::INFINITY),
         Err(error) => return Err(error),
     }
-    let (n_u, n) = (problem.displacements(), held.unknowns());
+    let (n_u, n) = (problem.displacements(), formulation.unknowns());
     let mut random = Random(n as u64);
     let start: Vec<f64> = (0..n_u).map(|_| random.next() - 0.5).collect();
     let normalise = |x: &mut [f64]| {
@@ -102,7 +102,7 @@ pub(super) fn condition(model: &Model) -> Result<f64, LinearError> {
     b[..n_u].copy_from_slice(&start);
     for _ in 0..STEPS {
         normalise(&mut b[..n_u]);
-        match linear.solve(held.jacobian(), &b, &mut z) {
+        match linear.solve(formulation.jacobian(), &b, &mut z) {
             Ok(_) => {}
             Err(LinearError::NotFinite) => return Ok(f64::INFINITY),
             Err(error) => return Err(error),

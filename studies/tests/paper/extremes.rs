@@ -38,8 +38,8 @@ impl Double {
 
 /// `Σ c_j (u_j + rest_j)` of one row.
 fn along(row: &[(usize, f64)], state: &State) -> f64 {
-    let rest = |dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
-    let sum = row.iter().fold(Double::ZERO, |sum, &(dof, c)| sum.plus_product(c, state.u[dof]).plus(c * rest(dof)));
+    let u_rest = |dof: usize| state.u_rest.get(dof).copied().unwrap_or(0.0);
+    let sum = row.iter().fold(Double::ZERO, |sum, &(dof, c)| sum.plus_product(c, state.u[dof]).plus(c * u_rest(dof)));
     sum.value()
 }
 

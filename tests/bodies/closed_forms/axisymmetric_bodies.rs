@@ -34,8 +34,8 @@ pub fn solved(description: &Description) -> Solved {
         let equilibrium = report.increments[record.index - 1].kkt.equilibrium;
         assert!(record.balance < 1e-12_f64.max(10.0 * equilibrium), "{equilibrium:e} {record:?}");
     }
-    let kept = &recording.increments[0];
-    let end = model.displacements(kept.record.time, &kept.state.u).unwrap();
+    let last = &recording.increments[0];
+    let end = model.displacements(last.record.time, &last.state.u).unwrap();
     Solved { model, report, end }
 }
 

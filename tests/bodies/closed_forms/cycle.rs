@@ -105,8 +105,8 @@ fn a_cycle_is_taken_up() {
     let whole = Run::new(&scene).unwrap().solve(&mut at).unwrap();
     assert!(whole.cycle.is_some());
     let checkpoint = Checkpoint::from_bytes(&at.1.unwrap()).unwrap();
-    let rest = Run::new(&scene).unwrap().from(checkpoint.clone()).solve(&mut ()).unwrap();
-    assert_eq!(rest.cycle, whole.cycle);
+    let resumed = Run::new(&scene).unwrap().from(checkpoint.clone()).solve(&mut ()).unwrap();
+    assert_eq!(resumed.cycle, whole.cycle);
     let without = common::scene("block.toml", &overrides[..2]);
     assert!(Run::new(&without).unwrap().from(checkpoint).solve(&mut ()).is_err());
 }

@@ -121,14 +121,14 @@ fn warm_bars() {
         for s in stress {
             assert!((s[2] - zz).abs() < 1e-3 && s[0].abs().max(s[1].abs()).max(s[3].abs()) < 1e-3, "{s:?}");
         }
-        let held = solved(&bar.clone().support("right", &[Axis::X]).support("top", &[Axis::Y]));
+        let supported = solved(&bar.clone().support("right", &[Axis::X]).support("top", &[Axis::Y]));
         // Nothing moves: the stresses are those of a body pressed back by α T along all that is held.
         let sides = if plane == Plane::Strain { 1.0 - 2.0 * NU } else { 1.0 - NU };
         let expected = -YOUNG * 1e-3 / sides;
-        let stress = held.model.centre_stresses(1.0, held.end()).unwrap();
+        let stress = supported.model.centre_stresses(1.0, supported.end()).unwrap();
         assert!(stress.iter().all(|s| (s[0] / expected - 1.0).abs() < 1e-12), "{:?}", stress[0]);
         // Support 2 is on the right, 1 m high.
-        assert!((held.reaction(2)[0] / expected - 1.0).abs() < 1e-12);
+        assert!((supported.reaction(2)[0] / expected - 1.0).abs() < 1e-12);
     }
 }
 
@@ -277,7 +277,7 @@ fn supports_or_obstacles_move() {
     let expected = forces(&reference);
     assert!(expected[7].abs() > 0.1 * expected[6], "{expected:?}");
     let far = Some(vec![(0.0, [0.0, 0.0].into()), (0.5, [0.5, 0.0].into()), (1.0, [1.0, 0.0].into())]);
-    let carried = body()
+    let coupled = body()
         .with_support(Support::new("top", &[Axis::Y]).moved(&[-2e-5]).over(&press))
         .with_support(Support::new("top", &[Axis::X]).moved(&[1.0 + 8e-6]).over(&[
             [0.0, 0.0],
@@ -285,7 +285,7 @@ fn supports_or_obstacles_move() {
             [1.0, 1.0],
         ]))
         .contact("bottom", 0.3, moving(far));
-    for (what, other, tolerance) in [("supports", supports, 1e-10), ("carried", carried, 1e-8)] {
+    for (what, other, tolerance) in [("supports", supports, 1e-10), ("carried", coupled, 1e-8)] {
         let other = solved(&other);
         for (a, b) in forces(&other).iter().zip(&expected) {
             assert!((a - b).abs() < tolerance * expected[6], "{what}: {a} {b}");
@@ -385,8 +385,8 @@ fn cold_bodies_need_no_expansion() {
         let material = Material::of_bodies(materials).unwrap();
         let description = Description::new(MeshSource::Bodies(bodies.clone()), material, vec![1.0]);
         let axes = [Axis::X, Axis::Y];
-        let held = description.support("cold:bottom", &axes).support("warm:bottom", &axes);
-        Model::build(&held.load(Action::Temperature(formula(temperature)).into()))
+        let supported = description.support("cold:bottom", &axes).support("warm:bottom", &axes);
+        Model::build(&supported.load(Action::Temperature(formula(temperature)).into()))
     };
     assert!(build("max(0, y - 1.5)").is_ok());
     for needed in ["100", "y", "max(0, 0.4 - y)", "max(0, 0.1 - abs(x - 0.6))"] {

@@ -172,10 +172,10 @@ fn mindlin_sphere() {
     };
     let sticking: Vec<[f64; 3]> =
         (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].position).collect();
-    let reach =
+    let extent =
         |along: fn(f64, f64) -> f64| sticking.iter().map(|x| along(x[0] - middle, x[1])).fold(0.0_f64, f64::max);
-    let ends = [reach(|x, y| if y == 0.0 { x } else { 0.0 }), reach(|x, y| if y == 0.0 { -x } else { 0.0 })];
-    let aside = reach(|x, y| if x.abs() < 1e-9 { y } else { 0.0 });
+    let ends = [extent(|x, y| if y == 0.0 { x } else { 0.0 }), extent(|x, y| if y == 0.0 { -x } else { 0.0 })];
+    let aside = extent(|x, y| if x.abs() < 1e-9 { y } else { 0.0 });
     let area: f64 = (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].weight).sum();
     let mean = (2.0 * area / std::f64::consts::PI).sqrt();
     println!("share {share}, a {}, c {c}, along {ends:?}, across {aside}, of the area {mean}", hertz.a);
@@ -248,8 +248,8 @@ fn dissipated_in_a_cycle(increments: usize) -> [f64; 2] {
     let area: f64 = cycle
         .clone()
         .map(|k| {
-            let way = if k < 3 * increments { -path } else { path };
-            -0.5 * (forces[k - 1] + forces[k]) * way
+            let displacement = if k < 3 * increments { -path } else { path };
+            -0.5 * (forces[k - 1] + forces[k]) * displacement
         })
         .sum();
     let recorded: f64 = outcome.records[cycle].iter().map(|record| record.friction_work).sum();
@@ -288,8 +288,8 @@ fn guide_force(model: &Model, u: &[f64]) -> f64 {
     let stiffness = assemble(&model.mesh, &all, model.element(), |e| model.materials()[e]).unwrap();
     let displacements: Vec<f64> = model.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
     let forces = stiffness.times(&displacements).unwrap();
-    let held = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());
-    held.map(|node| forces[2 * node]).sum()
+    let supported = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());
+    supported.map(|node| forces[2 * node]).sum()
 }
 
 /// Displacements along the contact line within 0.1 % of those of an independent prototype of the exact law, which

@@ -230,8 +230,8 @@ fn shrink_fit() {
         // The corners of the ring are held along the shaft.
         let share = drawn.resultant.force[1].abs() / out;
         assert!((0.8..1.0 + 1e-9).contains(&share), "{cells:?}: {share}");
-        let held = found.reaction(0) + found.reaction(1);
-        assert!((held - drawn.resultant.force[1]).abs() < 1e-6 * out, "{held}");
+        let reactions = found.reaction(0) + found.reaction(1);
+        assert!((reactions - drawn.resultant.force[1]).abs() < 1e-6 * out, "{reactions}");
     }
 }
 

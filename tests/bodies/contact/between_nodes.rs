@@ -48,8 +48,8 @@ fn a_roller_takes_the_place_of_another() {
     let [bottom] = &report.boundaries[..] else { panic!() };
     let on = |k: usize| bottom.obstacles[k].force[1];
     assert!((on(0) + force(&both[7])).abs() < 1e-9 * force(&both[7]) && on(1) == 0.0, "{} {}", on(0), on(1));
-    let met: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
-    assert!(met.iter().zip(&model.contacts).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
+    let assigned: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
+    assert!(assigned.iter().zip(&model.contacts).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
 }
 
 /// Nodes of second order, too, follow the nearest obstacle: at each time the gaps are those that the obstacles have if they stand there.
@@ -80,9 +80,9 @@ fn slip_is_past_the_obstacle_that_presses() {
     };
     let first = plane(&[[0.0, 1e-4], [1.0, 1e-4], [2.0, -1e-3]], &[(0.0, 0.0), (1.0, 1e-4)]);
     let second = plane(&[[0.0, -1e-3], [1.0, 1e-4]], &[(1.0, 0.0), (2.0, -1e-4)]);
-    let alone = plane(&[[0.0, 1e-4]], &[(0.0, 0.0), (1.0, 1e-4), (2.0, 0.0)]);
+    let single = plane(&[[0.0, 1e-4]], &[(0.0, 0.0), (1.0, 1e-4), (2.0, 0.0)]);
     let (_, both, _) = recorded(&plate().contact("bottom", 0.3, vec![first, second]));
-    let (_, one, _) = recorded(&plate().contact("bottom", 0.3, alone));
+    let (_, one, _) = recorded(&plate().contact("bottom", 0.3, single));
     assert!(common::difference(&both, &one) < 1e-9, "{}", common::difference(&both, &one));
     assert!(
         one[7].p_t.iter().any(|p| p.abs() > 1.0)
@@ -217,8 +217,8 @@ fn edges_are_singular_at_corners_alone() {
     let rounded = |radius: f64| {
         let mut mesh: Mesh = block(&[1.0, 0.25], &[40, 6]);
         for [x, y, _] in &mut mesh.nodes {
-            let beyond = (x.max(1.0 - *x) - (1.0 - radius)).max(0.0);
-            *y += (1.0 - *y / 0.25) * (radius - (radius * radius - beyond * beyond).max(0.0).sqrt()).min(0.1);
+            let outside = (x.max(1.0 - *x) - (1.0 - radius)).max(0.0);
+            *y += (1.0 - *y / 0.25) * (radius - (radius * radius - outside * outside).max(0.0).sqrt()).min(0.1);
         }
         mesh
     };
@@ -242,10 +242,10 @@ fn the_error_of_the_peak_is_of_its_own_time() {
     ]);
     let report = solved(&plate().contact("bottom", 0.0, vec![leaves, comes]));
     let until = Description { times: vec![0.5, 1.0], ..plate() };
-    let alone = solved(&until.contact("bottom", 0.0, round.approaching(&[[0.0, 0.0], [1.0, 8e-3]])));
+    let single = solved(&until.contact("bottom", 0.0, round.approaching(&[[0.0, 0.0], [1.0, 8e-3]])));
     assert_eq!((report.largest_pressure.unwrap().time, report.estimates.contact[0].time), (1.0, 2.0));
     assert!(report.estimates.peak_error.is_some());
-    assert_eq!(report.estimates.peak_error, alone.estimates.peak_error);
+    assert_eq!(report.estimates.peak_error, single.estimates.peak_error);
 }
 
 /// Triangles between lines of points `(x, z)`, from one y to the other, seen from above.

@@ -163,24 +163,24 @@ fn gaps_end_on_the_surface_wherever_it_has_gone() {
 fn gaps_in_a_bore() {
     let mesh = block(&[1.0, 1.0], &[2, 2]);
     let top = mesh.boundary("top").unwrap();
-    let see = |given: &Obstacle, x: [f64; 3]| PlacedObstacle::new(&mesh, top, given).unwrap().at(x);
+    let project = |given: &Obstacle, x: [f64; 3]| PlacedObstacle::new(&mesh, top, given).unwrap().at(x);
     // About (0, 0.6), with 3-4-5 at (0.3, 1.0).
     let bore = Obstacle::at_rest(Shape::Bore { radius: 0.5, place: Place::Apex([0.0, 1.1].into()), axis: None });
     let near = Obstacle { direction: GapDirection::Nearest, ..bore.clone() };
-    assert!((see(&bore, [0.3, 0.9, 0.0]).gap - 0.1).abs() < 1e-15);
-    assert!((see(&bore, [0.3, 1.05, 0.0]).gap + 0.05).abs() < 1e-15);
-    assert!(see(&bore, [0.6, 0.6, 0.0]).gap.is_nan());
-    let facing = see(&near, [0.24, 0.92, 0.0]);
+    assert!((project(&bore, [0.3, 0.9, 0.0]).gap - 0.1).abs() < 1e-15);
+    assert!((project(&bore, [0.3, 1.05, 0.0]).gap + 0.05).abs() < 1e-15);
+    assert!(project(&bore, [0.6, 0.6, 0.0]).gap.is_nan());
+    let facing = project(&near, [0.24, 0.92, 0.0]);
     assert!((facing.gap - 0.1).abs() < 1e-15 && norm(minus(facing.normal, [0.6, 0.8, 0.0])) < 1e-14, "{facing:?}");
-    assert!((see(&near, [0.36, 1.08, 0.0]).gap + 0.1).abs() < 1e-15);
+    assert!((project(&near, [0.36, 1.08, 0.0]).gap + 0.1).abs() < 1e-15);
     // In the centre the way along the normal is as near as any.
     let centred = Obstacle {
         direction: GapDirection::Nearest,
         ..Obstacle::at_rest(Shape::Bore { radius: 0.5, place: Place::Apex([0.0, 0.5].into()), axis: None })
     };
-    assert_eq!((see(&centred, [0.0; 3]).gap, see(&centred, [0.0; 3]).normal), (0.5, [0.0, 1.0, 0.0]));
+    assert_eq!((project(&centred, [0.0; 3]).gap, project(&centred, [0.0; 3]).normal), (0.5, [0.0, 1.0, 0.0]));
     // The surface leans as the circle does: a bore that moves aside opens on one side.
-    let inward = see(&bore, [0.3, 0.9, 0.0]).inward;
+    let inward = project(&bore, [0.3, 0.9, 0.0]).inward;
     assert!(norm(minus(inward, [0.75, 1.0, 0.0])) < 1e-14, "{inward:?}");
 }
 

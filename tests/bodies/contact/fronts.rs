@@ -75,8 +75,8 @@ fn of_several_obstacles_the_nearest_counts() {
     let one = "{ kind = \"cylinder\", radius = 0.3, apex = [0.3, 0] }";
     let other = "{ kind = \"cylinder\", radius = 0.5, apex = [0.7, -1e-5] }";
     let (model, both) = belt(&format!("[{one}, {other}]"));
-    let met: Vec<usize> = model.contacts.iter().filter_map(ContactNode::obstacle).collect();
-    assert_eq!(met, [0, 0, 0, 1, 1, 1, 1, 1]);
+    let assigned: Vec<usize> = model.contacts.iter().filter_map(ContactNode::obstacle).collect();
+    assert_eq!(assigned, [0, 0, 0, 1, 1, 1, 1, 1]);
     let formula = |r: f64, x: f64, y: f64| {
         format!("{y} + {r} - sqrt(max(0, {r}^2 - (x - {x})^2)) + 1e3 * max(0, abs(x - {x}) - {r})")
     };

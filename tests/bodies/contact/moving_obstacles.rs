@@ -6,7 +6,7 @@ fn solve(text: &str) -> (Model, Vec<[f64; 2]>) {
     let scene = parsed(text);
     let model = discretise(&scene).unwrap();
     let settings = settings_of(&model, Method::BN).until(200, 1e-10);
-    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::default());
+    let (outcome, keep) = recorded(&model, &scene.time.all(), &settings, LinearAlgebra::default());
     assert_eq!(outcome.status, Status::Converged);
     let sums = keep.states.iter().map(|state| [state.p_n.iter().sum(), state.p_t.iter().sum()]).collect();
     (model, sums)

@@ -295,12 +295,12 @@ fn what_lies_beyond_the_end_does_not_count() {
          motion.rotation = { through = [0.5, -5.0], history = [[0, 0], [2, 0.1]] }",
         "[[0, 0], [2, 0.5]]",
     );
-    let beyond = scene(
+    let overhanging = scene(
         "approach = [[0, 0], [1, 1e-3], [2, 1.2e-3], [100, 0.5]], motion.translation = [[0, 0, 0], [4, 0.4, 0]], \
          motion.rotation = { through = [0.5, -5.0], history = [[-1, 0], [0, 0], [2, 0.1], [3, 9.0]] }",
         "[[0, 0], [4, 1]]",
     );
-    let [within, beyond] = [within, beyond].map(|scene| discretise(&scene).unwrap());
+    let [within, beyond] = [within, overhanging].map(|scene| discretise(&scene).unwrap());
     assert_eq!(within.loading, beyond.loading);
     assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
     let deepest = beyond.loading.largest_interference();

@@ -24,14 +24,14 @@ fn rank(motions: &[Vec<f64>]) -> usize {
     let mut basis: Vec<Vec<f64>> = Vec::new();
     for motion in motions {
         let length = |v: &[f64]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let mut rest: Vec<f64> = motion.iter().map(|x| x / length(motion)).collect();
+        let mut remainder: Vec<f64> = motion.iter().map(|x| x / length(motion)).collect();
         for b in &basis {
-            let along: f64 = b.iter().zip(&rest).map(|(b, x)| b * x).sum();
-            rest.iter_mut().zip(b).for_each(|(x, b)| *x -= along * b);
+            let along: f64 = b.iter().zip(&remainder).map(|(b, x)| b * x).sum();
+            remainder.iter_mut().zip(b).for_each(|(x, b)| *x -= along * b);
         }
-        let left = length(&rest);
+        let left = length(&remainder);
         if left > 1e-6 {
-            basis.push(rest.iter().map(|x| x / left).collect());
+            basis.push(remainder.iter().map(|x| x / left).collect());
         }
     }
     basis.len()
@@ -147,7 +147,7 @@ fn solve(scene: &Scene) -> (Model, HistoryOutcome) {
 }
 
 /// The scene of one of the bodies of [`TWO`] alone, without a name.
-fn alone(name: &str) -> String {
+fn only_body(name: &str) -> String {
     let tables = TWO.split("\n\n").filter(|table| !table.contains(if name == "lower" { "upper" } else { "lower" }));
     let text = tables.collect::<Vec<_>>().join("\n\n").replace(&format!("{name}:"), "");
     let text = text.replace(&format!("[[body]]\nname = \"{name}\"\n"), "").replace("[body.", "[");
@@ -157,7 +157,7 @@ fn alone(name: &str) -> String {
 #[test]
 fn a_single_body_is_the_same_to_the_last_bit() {
     for name in ["lower", "upper"] {
-        let scene = parsed(&alone(name));
+        let scene = parsed(&only_body(name));
         let other = if name == "lower" { "upper" } else { "lower" };
         let named = TWO.split("\n\n").filter(|table| !table.contains(other)).collect::<Vec<_>>().join("\n\n");
         let (model, outcome) = solve(&scene);
@@ -175,7 +175,7 @@ fn bodies_that_do_not_meet_have_their_own_answers() {
     assert_eq!(both.rigid_motions.len(), 2);
     let bodies = both.mesh.bodies();
     for (k, name) in ["lower", "upper"].into_iter().enumerate() {
-        let (model, own) = solve(&parsed(&alone(name)));
+        let (model, own) = solve(&parsed(&only_body(name)));
         let (all, u) = (both.dofs.displacements(&outcome.state.u), model.dofs.displacements(&own.state.u));
         let largest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
         for (node, u) in bodies.nodes(k).zip(u) {

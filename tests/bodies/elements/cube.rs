@@ -7,7 +7,7 @@ use crate::common::prelude::*;
 fn solve(scene: &Scene) -> (Model, HistoryOutcome, Keep) {
     let model = discretise(scene).unwrap();
     let settings = undivided(&model, scene, Method::BN);
-    let (outcome, keep) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
+    let (outcome, keep) = recorded(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
     assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
     (model, outcome, keep)
 }
@@ -66,7 +66,7 @@ fn cubes_by_the_interior_point_method() {
     for scene in [4, 6].into_iter().flat_map(cubes) {
         let (model, _, by_bn) = solve(&scene);
         let settings = undivided(&model, &scene, Method::Ip);
-        let (outcome, by_ip) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
+        let (outcome, by_ip) = recorded(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         count.add(&outcome);
         let difference = largest_difference(&forces(&model, &by_ip), &forces(&model, &by_bn));
@@ -84,7 +84,7 @@ fn cubes_in_the_setting_of_the_paper() {
         let (model, _, by_default) = solve(&scene);
         // It stops by its own test, with errors up to 1e-6.
         let settings = settings_of(&model, Method::PaperBn).until(200, 1e-6);
-        let (outcome, by_paper) = kept(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
+        let (outcome, by_paper) = recorded(&model, &scene.time.all(), &settings, LinearAlgebra::condensed());
         assert_eq!(outcome.status, Status::Converged, "{scene:?}");
         count.add(&outcome);
         let difference = largest_difference(&forces(&model, &by_paper), &forces(&model, &by_default));
@@ -171,7 +171,7 @@ fn a_slab_is_plane() {
     let natural = FormulationScaling::natural(&plane.problem);
     let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
-    let (thick, thick_states) = kept(&space, &slab.time.all(), &settings, LinearAlgebra::condensed());
+    let (thick, thick_states) = recorded(&space, &slab.time.all(), &settings, LinearAlgebra::condensed());
     assert_eq!(thick.status, Status::Converged);
     assert_eq!(iterations(&flat), iterations(&thick));
     assert_eq!(space.contacts.len(), 2 * plane.contacts.len());

@@ -131,7 +131,7 @@ fn without_contact_any_choice_solves() {
 
 fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {
     let settings = settings_of(model, Method::BN).until(100, 1e-10);
-    let (outcome, keep) = kept(model, &scene.time.all(), &settings, backend);
+    let (outcome, keep) = recorded(model, &scene.time.all(), &settings, backend);
     (outcome, keep.states)
 }
 

@@ -35,15 +35,15 @@ fn taken_up(scene: &Scene) -> usize {
     for bytes in &all.checkpoints {
         let checkpoint = Checkpoint::from_bytes(bytes).unwrap();
         let done = checkpoint.increments();
-        let mut rest = Recording::all();
-        let report = Run::new(scene).unwrap().from(checkpoint).solve(&mut rest).unwrap();
-        for (one, other) in all.increments[done..].iter().zip(&rest.increments) {
+        let mut resumed = Recording::all();
+        let report = Run::new(scene).unwrap().from(checkpoint).solve(&mut resumed).unwrap();
+        for (one, other) in all.increments[done..].iter().zip(&resumed.increments) {
             assert_eq!(one.state, other.state, "increment {}", one.record.index);
             assert_eq!((&one.statuses, &one.gap, &one.w_t_last), (&other.statuses, &other.gap, &other.w_t_last));
             assert_eq!((one.record.kkt, one.record.iterations), (other.record.kkt, other.record.iterations));
             assert_eq!((one.record.friction_work, one.record.theta), (other.record.friction_work, other.record.theta));
         }
-        assert_eq!(rest.increments.len(), all.increments.len() - done);
+        assert_eq!(resumed.increments.len(), all.increments.len() - done);
         assert_eq!(report.status, whole.status);
         assert_eq!((&report.boundaries, &report.estimates), (&whole.boundaries, &whole.estimates));
         assert_eq!((&report.warnings, &report.largest_pressure), (&whole.warnings, &whole.largest_pressure));
@@ -130,9 +130,9 @@ fn working_sets_that_grow_go_on() {
     assert!(whole.working_set.unwrap().grown > 1 && all.checkpoints.len() > 3, "{:?}", whole.working_set);
     for bytes in &all.checkpoints {
         let from = Some(Checkpoint::from_bytes(bytes).unwrap());
-        let rest = run(&HistorySettings { from, ..settings.clone() }, &mut All::default());
-        assert_eq!((rest.status, &rest.state, rest.tally), (whole.status, &whole.state, whole.tally));
-        assert_eq!((rest.working_set, rest.increment_error), (whole.working_set, whole.increment_error));
+        let resumed = run(&HistorySettings { from, ..settings.clone() }, &mut All::default());
+        assert_eq!((resumed.status, &resumed.state, resumed.tally), (whole.status, &whole.state, whole.tally));
+        assert_eq!((resumed.working_set, resumed.increment_error), (whole.working_set, whole.increment_error));
     }
 }
 
@@ -194,8 +194,8 @@ fn a_history_goes_on_beyond_its_first_end() {
     run(&times[..2], &settings, &mut half);
     let from = Checkpoint::from_bytes(half.checkpoints.last().unwrap()).unwrap();
     assert_eq!((from.increments(), from.time()), (2, times[1]));
-    let rest =
+    let resumed =
         run(&times, &HistorySettings { from: Some(from), keeps_records: false, ..settings }, &mut All::default());
-    assert_eq!((rest.status, &rest.state, rest.tally), (Status::Converged, &whole.state, whole.tally));
-    assert_eq!(rest.records.len(), 2);
+    assert_eq!((resumed.status, &resumed.state, resumed.tally), (Status::Converged, &whole.state, whole.tally));
+    assert_eq!(resumed.records.len(), 2);
 }

@@ -26,8 +26,8 @@ const OF_THE_RUN: [&str; 10] = [
 pub fn files(folder: &Path) -> BTreeMap<String, String> {
     let entries = fs::read_dir(folder).into_iter().flatten().map(|entry| entry.unwrap());
     let named = entries.map(|entry| (entry.file_name().into_string().unwrap(), entry.path()));
-    let seen = named.filter(|(name, _)| !name.starts_with('.'));
-    seen.map(|(name, path)| (name, fs::read_to_string(path).unwrap())).collect()
+    let visible = named.filter(|(name, _)| !name.starts_with('.'));
+    visible.map(|(name, path)| (name, fs::read_to_string(path).unwrap())).collect()
 }
 
 /// Panics unless each file is complete: tables end with a whole line, pictures and reports with their end. The report,
@@ -89,12 +89,12 @@ pub fn results(folder: &Path) -> BTreeMap<String, String> {
             }
             "increments.csv" => {
                 // Drops the four times.
-                let kept = |line: &str| {
+                let is_wanted = |line: &str| {
                     let fields = line.split(',').enumerate().filter(|(k, _)| !(16..20).contains(k));
                     fields.map(|(_, field)| field).collect::<Vec<_>>().join(",")
                 };
                 assert_eq!(text.lines().next().unwrap().split(',').nth(16), Some("seconds_assembly"));
-                text.lines().map(kept).collect::<Vec<_>>().join("\n")
+                text.lines().map(is_wanted).collect::<Vec<_>>().join("\n")
             }
             _ => continue,
         }

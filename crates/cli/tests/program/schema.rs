@@ -120,7 +120,7 @@ fn faults(root: &Value, schema: &Value, value: &Value, at: &str) -> Vec<String> 
             found.push(format!("{at}: fits none of {one_of}"));
         }
     }
-    found.extend(parts(schema).flat_map(|part| faults(root, part, value, at)));
+    found.extend(subschemas(schema).flat_map(|part| faults(root, part, value, at)));
     found
 }
 
@@ -128,7 +128,7 @@ fn target<'a>(root: &'a Value, name: &Value) -> &'a Value {
     root.pointer(name.as_str().unwrap().strip_prefix('#').unwrap()).unwrap()
 }
 
-fn parts(schema: &Value) -> impl Iterator<Item = &Value> {
+fn subschemas(schema: &Value) -> impl Iterator<Item = &Value> {
     schema.get("allOf").and_then(Value::as_array).into_iter().flatten()
 }
 
@@ -146,7 +146,7 @@ fn keys(root: &Value, schema: &Value, at: &str, into: &mut BTreeSet<String>) {
         keys(root, target(root, name), at, into);
     }
     let either = schema.get("anyOf").and_then(Value::as_array).into_iter().flatten();
-    either.chain(parts(schema)).for_each(|schema| keys(root, schema, at, into));
+    either.chain(subschemas(schema)).for_each(|schema| keys(root, schema, at, into));
 }
 
 /// Collects every key of a JSON value, with its path.

@@ -167,10 +167,10 @@ fn check_tells_it() {
     let worn = check("worn", &worn);
     assert!(worn.contains("\nNO BALANCE   first at t = 0.7 s: the loads drive a translation along"), "{worn}");
 
-    let held = check("held", &text(8.0, &[SLANTED, TOP, RIGHT], SLIDE));
+    let supported = check("held", &text(8.0, &[SLANTED, TOP, RIGHT], SLIDE));
     assert!(
-        held.contains("\ntheorem 3    (b) violated: the contact rows at (0, 0) m (and at 2 more) depend on"),
-        "{held}"
+        supported.contains("\ntheorem 3    (b) violated: the contact rows at (0, 0) m (and at 2 more) depend on"),
+        "{supported}"
     );
-    assert!(!held.contains("(a)") && !held.contains("NO BALANCE"), "{held}");
+    assert!(!supported.contains("(a)") && !supported.contains("NO BALANCE"), "{supported}");
 }

@@ -207,8 +207,8 @@ fn scenes_come_back_from_their_files() {
             before = found.state.clone();
 
             let contacts = export_local(file).unwrap();
-            let alone = judge(&contacts.problem, contacts.solution.as_ref().unwrap()).unwrap();
-            assert!(alone.worst() <= 1e-8, "{name}: {alone:?}");
+            let errors = judge(&contacts.problem, contacts.solution.as_ref().unwrap()).unwrap();
+            assert!(errors.worst() <= 1e-8, "{name}: {errors:?}");
         }
         assert!(touched > 0, "{name}");
     }

@@ -29,7 +29,7 @@ impl Numbers {
     }
 
     /// Returns the problem with forces and velocities multiplied, and with contact `i` at index `place[i]`.
-    fn retold(&self, force: f64, velocity: f64, place: &[usize]) -> Numbers {
+    fn scaled(&self, force: f64, velocity: f64, place: &[usize]) -> Numbers {
         let d = self.dimension;
         let to = |row: usize| d * place[row / d] + row % d;
         let (mut q, mut mu) = (self.q.clone(), self.mu.clone());
@@ -148,7 +148,7 @@ proptest! {
         let tower = planks(levels, mu, push, 0.02, seed);
         let one = tower.solved();
         for (force, velocity) in [(1.0, 1.0), (1e9, 1.0), (1.0, 1e-9), (1e9, 1e-9)] {
-            let other = tower.retold(force, velocity, &permutation(4 * levels, seed)).solved();
+            let other = tower.scaled(force, velocity, &permutation(4 * levels, seed)).solved();
             prop_assert_eq!(one.status, other.status);
             let (a, b) = (one.iterations() as f64, other.iterations() as f64);
             prop_assert!((a - b).abs() <= (0.1 * a).max(1.0), "{a} {b}");
@@ -200,10 +200,10 @@ fn the_body_has_the_same_solution() {
         let local = Numbers { dimension, w: entries, q, mu: mu.clone() }.solved();
         assert_eq!(local.status, LocalStatus::Solved);
 
-        let part = |k: usize| (0..nodes).map(|i| local.r[dimension * i + k]).collect::<Vec<f64>>();
+        let component = |k: usize| (0..nodes).map(|i| local.r[dimension * i + k]).collect::<Vec<f64>>();
         let minus = |values: Vec<f64>| values.into_iter().map(|value| -value).collect::<Vec<f64>>();
-        let (p_n, p_t) = (part(0), minus(part(1)));
-        let p_o = if dimension == 3 { minus(part(2)) } else { vec![0.0; nodes] };
+        let (p_n, p_t) = (component(0), minus(component(1)));
+        let p_o = if dimension == 3 { minus(component(2)) } else { vec![0.0; nodes] };
         let mut load = force.clone();
         for i in 0..nodes {
             load[dimension * i] -= p_n[i];

@@ -129,8 +129,8 @@ fn strain_energy_counts_what_supports_and_temperatures_do() {
         let mut recording = Recording::all();
         let report = Run::new(&scene).unwrap().solve(&mut recording).unwrap();
         let energies: Vec<f64> = report.increments.iter().map(|record| record.strain_energy).collect();
-        let seen: Vec<f64> = recording.increments.iter().map(|increment| increment.record.strain_energy).collect();
-        assert_eq!((report.status, &energies), (Status::Converged, &seen));
+        let observed: Vec<f64> = recording.increments.iter().map(|increment| increment.record.strain_energy).collect();
+        assert_eq!((report.status, &energies), (Status::Converged, &observed));
         energies
     };
     let load = |text: &str| text.find("[[load]]").unwrap()..text.find("[time]").unwrap();
@@ -150,8 +150,8 @@ fn strain_energy_counts_what_supports_and_temperatures_do() {
         // A free bar has no energy; a bar constrained at both ends has ½ E (α ΔT)² in a volume of 2.
         let free = energies(dimension, cells, &|text| expansion(&instead(text, warm)));
         assert!(free.iter().all(|energy| energy.abs() < 1e-9), "{cells}: {free:?}");
-        let held = format!("{warm}[[support]]\nboundary = 'right'\nfix = ['x']\n");
-        close(energies(dimension, cells, &|text| expansion(&instead(text, &held))), 1e3);
+        let supported = format!("{warm}[[support]]\nboundary = 'right'\nfix = ['x']\n");
+        close(energies(dimension, cells, &|text| expansion(&instead(text, &supported))), 1e3);
     }
 }
 
@@ -187,8 +187,8 @@ fn the_body_before_is_undeformed() {
 struct Parts(Vec<RecordedIncrement>, Vec<RecordedIncrement>);
 
 impl Observer for Parts {
-    fn substep(&mut self, part: &IncrementView<'_>) {
-        self.0.push(RecordedIncrement::new(part));
+    fn substep(&mut self, substep: &IncrementView<'_>) {
+        self.0.push(RecordedIncrement::new(substep));
     }
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {

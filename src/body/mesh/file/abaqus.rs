@@ -19,7 +19,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError>
     expect(name, bytes, FileKind::Abaqus)?;
     let mut keywords = Keywords::default();
     let mut model = Model::default();
-    keywords.read(Path::new(name), bytes, &mut |keyword, data| model.take(keyword, data))?;
+    keywords.read(Path::new(name), bytes, &mut |keyword, data| model.read(keyword, data))?;
     model.finish(name)
 }
 

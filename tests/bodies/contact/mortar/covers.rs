@@ -54,8 +54,8 @@ fn supports_on_the_slave() {
     let symmetric = row(&hold_both(&[X], true), corner).unwrap();
     assert_eq!((symmetric.normal, symmetric.still.contains(&X)), ([0.0, -1.0, 0.0], true));
     // Held alone, the other side moves past the node.
-    let alone = row(&hold(&[X]), corner).unwrap();
-    assert!(alone.normal == row(&hold(&[]), corner).unwrap().normal && !alone.still.contains(&X));
+    let own = row(&hold(&[X]), corner).unwrap();
+    assert!(own.normal == row(&hold(&[]), corner).unwrap().normal && !own.still.contains(&X));
     assert_ne!(row(&hold(&[]), corner).unwrap().normal, [0.0, -1.0, 0.0]);
     for pair in [hold(&[Y]), hold(&[X, Y])] {
         assert_eq!(row(&pair, corner), None);

@@ -165,15 +165,15 @@ fn rims_of_obstacles() {
     let model = discretise(&scene).unwrap();
     let exact = |x: [f64; 3]| 0.3 - (0.09 - (x[0] - 0.5).powi(2) - (x[1] - 0.5).powi(2)).sqrt();
     let gaps = model.loading.gaps_at(0.0);
-    let mut alone = 0;
+    let mut isolated = 0;
     for (contact, gap) in model.contacts.iter().zip(&gaps) {
         let all: Vec<f64> = contact.terms().map(|term| exact(term.position)).collect();
         let of_rows: f64 = contact.terms().zip(&all).map(|(term, gap)| term.coefficient * gap).sum();
         let expected = if of_rows.is_nan() { all[0] } else { of_rows };
-        alone += usize::from(of_rows.is_nan());
+        isolated += usize::from(of_rows.is_nan());
         assert!((gap - expected).abs() < 1e-14, "{gap} {expected}");
     }
-    assert!(alone > 2, "{alone}");
+    assert!(isolated > 2, "{isolated}");
     assert!(model.contact_boundaries[0].unreached > 0);
     let state = solve(&model, model.times(), SolverChoice::default(), &mut ()).state;
     assert!(sums(&state)[0] > 0.0);

@@ -316,10 +316,10 @@ fn roundings_that_begin_at_a_flat() {
 fn flats_beside_edges_and_curves() {
     for end in ["chamfer", "rounding", "roller"] {
         let lower = moved(block(&[1.0, 0.5], &[20, 4]), |[x, y, z]| {
-            let beyond = (x - 0.7).max(0.0);
+            let outside = (x - 0.7).max(0.0);
             let down = match end {
-                "chamfer" => beyond,
-                "rounding" => 0.5 - (0.25 - beyond * beyond).sqrt(),
+                "chamfer" => outside,
+                "rounding" => 0.5 - (0.25 - outside * outside).sqrt(),
                 _ => ((12.25_f64 - 0.49).sqrt() - (12.25 - x * x).sqrt()).max(0.0),
             };
             [x, y * (1.0 - 2.0 * down), z]

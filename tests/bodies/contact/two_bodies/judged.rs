@@ -86,7 +86,7 @@ struct Judge<'a> {
     model: &'a Model,
     names: [&'a str; 2],
     last: Vec<Plane>,
-    seen: [usize; 3],
+    counts: [usize; 3],
 }
 
 impl Observer for Judge<'_> {
@@ -138,7 +138,7 @@ impl Observer for Judge<'_> {
             assert!(!closed || gap <= small, "{pressure} {gap}");
             assert!(!sticks || slip.abs() <= small, "{friction} {pressure} {slip}");
             assert!(friction * slip >= -small * largest, "{friction} {slip}");
-            self.seen[if sticks { 1 } else { 2 * usize::from(closed) }] += 1;
+            self.counts[if sticks { 1 } else { 2 * usize::from(closed) }] += 1;
         }
         self.last = apart;
         ControlFlow::Continue(())
@@ -162,9 +162,9 @@ fn by_displacements_and_forces_alone() {
             );
             let model = Model::build(&pushed(body, side)).unwrap();
             let count = along(&model.mesh, names[0]).len();
-            let mut judge = Judge { model: &model, names, last: vec![[0.0; 2]; count], seen: [0; 3] };
+            let mut judge = Judge { model: &model, names, last: vec![[0.0; 2]; count], counts: [0; 3] };
             solved(&model, solver(method, linear), &mut judge);
-            assert!(judge.seen[1] > 20 && judge.seen[2] > 20, "{:?}", judge.seen);
+            assert!(judge.counts[1] > 20 && judge.counts[2] > 20, "{:?}", judge.counts);
         }
     }
 }

@@ -138,8 +138,8 @@ fn nodes_of_second_order_tell_what_is_there() {
     }
     let model = Model::build(&body).unwrap();
     let mut line: Vec<ContactPoint> = Vec::new();
-    let see = |step: &IncrementView<'_>| line = ContactLine::all(&model, step).remove(0).points;
-    solved(&model, solver(Method::BN, LinearAlgebra::condensed()), &mut each(see));
+    let record = |step: &IncrementView<'_>| line = ContactLine::all(&model, step).remove(0).points;
+    solved(&model, solver(Method::BN, LinearAlgebra::condensed()), &mut each(record));
     // Radii of 10, 30 and 50 mm.
     let pressure = 210e9 / 0.91 / 0.03 * 1e-5 * (800.0 * 1600.0) / (2.0 * 900.0 * 2400.0);
     assert_eq!(line.len(), 7);

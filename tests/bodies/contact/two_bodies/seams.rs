@@ -3,16 +3,16 @@
 use crate::common::prelude::*;
 use std::f64::consts::TAU;
 
-/// Both methods with every linear solver of this build: the largest number of iterations, and `see` of the last state.
-fn by_all(model: &Model, name: &str, most: usize, see: impl Fn(&Model, &stickslip::solver::State)) {
+/// Both methods with every linear solver of this build: the largest number of iterations, and `check` of the last state.
+fn by_all(model: &Model, name: &str, most: usize, check: impl Fn(&Model, &stickslip::solver::State)) {
     for method in [Method::BN, Method::Ip] {
         for (word, linear) in LinearAlgebra::WORDS.into_iter().filter(|(_, linear)| linear.is_built_in()) {
             let solver = solver_of(method, linear);
             let outcome = Run::of(model, model.times().to_vec(), solver).unwrap().history(&mut ()).unwrap();
             assert_eq!(outcome.status, Status::Converged, "{name}, {method}, {word}");
-            let taken = outcome.records.iter().map(|record| record.iterations).max().unwrap();
-            assert!(taken <= most, "{name}, {method}, {word}: {taken}");
-            see(model, &outcome.state);
+            let iterations = outcome.records.iter().map(|record| record.iterations).max().unwrap();
+            assert!(iterations <= most, "{name}, {method}, {word}: {iterations}");
+            check(model, &outcome.state);
         }
     }
 }
@@ -133,13 +133,13 @@ fn ring(kind: CellKind, [from, to]: [f64; 2], n: usize) -> Mesh {
         let (sin, cos) = (TAU * t).sin_cos();
         [r * cos, r * sin, 0.0]
     });
-    let kept: Vec<usize> = (0..joins.len()).filter(|&i| joins[i] == i).collect();
-    let number = |i: usize| kept.binary_search(&joins[i]).unwrap();
+    let first_nodes: Vec<usize> = (0..joins.len()).filter(|&i| joins[i] == i).collect();
+    let number = |i: usize| first_nodes.binary_search(&joins[i]).unwrap();
     mesh.cells.iter_mut().flat_map(|cell| &mut cell.nodes).for_each(|node| *node = number(*node));
     mesh.boundaries.retain(|boundary| ["left", "right"].contains(&boundary.name.as_str()));
     let facets = mesh.boundaries.iter_mut().flat_map(|boundary| &mut boundary.facets);
     facets.flatten().for_each(|node| *node = number(*node));
-    mesh.nodes = kept.into_iter().map(|i| mesh.nodes[i]).collect();
+    mesh.nodes = first_nodes.into_iter().map(|i| mesh.nodes[i]).collect();
     mesh
 }
 

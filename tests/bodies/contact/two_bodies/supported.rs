@@ -63,7 +63,7 @@ fn a_push_beside_the_support() {
 
 /// The forces along and across the contact where a block of `upper` elements slides over another of `lower`, towards the side of that which is
 /// held: there it presses most.
-fn slide(lower: usize, upper: usize, lower_is_slave: bool, way: (Method, LinearAlgebra)) -> (f64, f64, bool) {
+fn slide(lower: usize, upper: usize, lower_is_slave: bool, solver: (Method, LinearAlgebra)) -> (f64, f64, bool) {
     let mesh = MeshSource::Bodies(vec![
         Body::new("lower", block(&[1.0, 1.0, 0.5], &[lower, lower, 1])),
         Body::new("upper", block(&[1.0, 1.0, 0.5], &[upper, upper, 1])).at([0.0, 0.0, 0.5]),
@@ -77,7 +77,7 @@ fn slide(lower: usize, upper: usize, lower_is_slave: bool, way: (Method, LinearA
         .support("upper:top", &[Axis::Y])
         .with_support(slide)
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]).over(&[[0.0, 0.0], [1.0, 1.0]]));
-    let report = whole::report(&body, way.0, way.1);
+    let report = whole::report(&body, solver.0, solver.1);
     let force = &report.boundaries[0].force;
     (force[0].abs(), force[2].abs(), whole::warns(&report, WarningKind::FrictionLeftOut))
 }

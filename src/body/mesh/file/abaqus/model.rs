@@ -39,7 +39,7 @@ const TYPES: &str = "only solid elements are read: remove the others from the fi
 
 impl Model {
     /// Takes a keyword with its data.
-    pub(super) fn take(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    pub(super) fn read(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
         self.fields += data.iter().map(|row| row.fields.len()).sum::<usize>();
         match keyword.name.as_str() {
             "NODE" => self.take_nodes(keyword, data),
