@@ -16,7 +16,7 @@ pub(crate) mod solvability;
 pub(crate) mod uniqueness;
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use condensation::{Condensation, Condensed};
-pub use events::{Effort, Equations, Event, ExactPath, Jump, NodeStatus, PathEnd, PathError, PathSegment, SegmentEnd};
+pub use events::{Effort, Equations, Event, ExactPath, NodeStatus, PathEnd, PathError, PathSegment, SegmentEnd};
 pub use initial_working_set::{AFFORDABLE, InitialWorkingSet, working_set};
 pub use laws::{
     ContactStatus, KktErrors, KktScales, Law, NormalCase, TangentialCase, Violation, direction, length, normal_case,

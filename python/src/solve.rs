@@ -77,7 +77,7 @@ pub(crate) fn method(name: &str, setting: &str, r_factor: f64) -> PyResult<Histo
         ("bn", "paper") => Method::PaperBn,
         ("ip", "default") => Method::Ip,
         ("ip", "paper") => Method::paper_ip(Start::Safe),
-        ("events", "default") => return Ok(HistoryMethod::EVENTS),
+        ("events", "default") => return Ok(HistoryMethod::ExactPath),
         _ => return Err(PyValueError::new_err(format!("method {name:?} has no setting {setting:?}"))),
     };
     Ok(method.into())

@@ -258,7 +258,6 @@ impl Solved<'_> {
         warnings.extend(displacements::strains(self));
         warnings.extend(increments::warnings(self));
         warnings.extend(passage::along_chords(self));
-        warnings.extend(jumps::of_path(self));
         warnings.extend(jumps::of_forces(self));
         warnings.extend(self.balance.unbalanced(self.model, self.solver.tolerance));
         warnings

@@ -334,7 +334,6 @@ pub(super) struct SolverTable {
     pub start: Option<Start>,
     pub partition: Option<Partition>,
     pub r_factor: Option<f64>,
-    pub jump: Option<bool>,
     pub max_iterations: Option<i64>,
     pub tolerance: Option<f64>,
 }

@@ -62,7 +62,7 @@ mod rate_problem;
 mod stretch;
 mod tangent;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 
 pub use exact_path::ExactPath;
 pub(crate) use exact_path::SavedExactPath;
@@ -126,18 +126,6 @@ pub struct PathEnd {
     pub time: f64,
     /// `true` if all statuses of the nodes concerned were tried and none was singular. Otherwise Lemke's method ended
     /// on a ray, which is a proof only in some problems.
-    pub certain: bool,
-}
-
-/// A jump across the end of a quasi-static motion, to one of the states that the laws allow beyond it.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Jump {
-    /// The time at which the motion ended, s.
-    pub from: f64,
-    /// The end of the increment that contains the jump, s.
-    pub to: f64,
-    /// `true` if it is certain that no quasi-static path exists, as in [`PathEnd::certain`].
     pub certain: bool,
 }
 

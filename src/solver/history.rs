@@ -15,7 +15,7 @@
 //! | the state that the history has reached, with the rigid offset of a body that only contact holds | `state.rs` |
 //! | the body, whole or condensed; its interior at the end of a substep | `body.rs` |
 //! | one increment at a time, under loads that are not known in advance | `stepper.rs` |
-//! | the exact path in time, from event to event; jumps | `events.rs` |
+//! | the exact path in time, from event to event | `events.rs` |
 //! | the time-step error of the friction work and of the tangential forces | `increment_error.rs` |
 //! | records and observers; checkpoints | `record.rs`, `saved.rs` |
 //!
@@ -64,7 +64,7 @@ mod task;
 
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::solver::checkpoint::CheckpointError;
-use crate::solver::events::{Event, Jump, PathEnd, PathError};
+use crate::solver::events::{Event, PathEnd, PathError};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::{KktScales, Violation};
 use crate::solver::loading::Loading;
@@ -76,7 +76,7 @@ use state::HistoryState;
 use std::time::Instant;
 
 pub use choice::{HistoryMethod, SolverChoice};
-pub use events::{ExactPathSettings, follow_exact_path};
+pub use events::follow_exact_path;
 pub(crate) use events::{JumpSolver, RestartPoint};
 pub use increment::WorkingSet;
 pub use increment_error::{IncrementError, IncrementErrors};
@@ -115,8 +115,6 @@ pub struct HistoryOutcome {
     pub events: Vec<Event>,
     /// The number of changes of status.
     pub event_count: usize,
-    /// The jumps over ends of the quasi-static motion.
-    pub jumps: Vec<Jump>,
     /// The end of the quasi-static motion, if the path ended early.
     #[serde(skip)]
     pub lost: Option<PathEnd>,

@@ -116,7 +116,7 @@ fn solved(method: HistoryMethod, answers: Option<usize>) -> Result<HistoryOutcom
 }
 
 const METHODS: [HistoryMethod; 3] =
-    [HistoryMethod::Increments(Method::BN), HistoryMethod::Increments(Method::Ip), HistoryMethod::EVENTS];
+    [HistoryMethod::Increments(Method::BN), HistoryMethod::Increments(Method::Ip), HistoryMethod::ExactPath];
 
 #[test]
 fn every_method_solves_with_it() {

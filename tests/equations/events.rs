@@ -22,7 +22,7 @@ fn solve(
 }
 
 fn exact(model: &Model, times: &[f64], linear: LinearAlgebra) -> HistoryOutcome {
-    solve(&model.problem, &model.loading, times, HistoryMethod::EVENTS, linear)
+    solve(&model.problem, &model.loading, times, HistoryMethod::ExactPath, linear)
 }
 
 fn worst(outcome: &HistoryOutcome) -> f64 {
@@ -56,7 +56,7 @@ fn taken_up(problem: &ContactProblem, loading: &Loading, times: &[f64], method: 
         let from = Some(Checkpoint::from_bytes(bytes).unwrap());
         let rest = run(&HistorySettings { from, ..settings.clone() }, &mut ());
         assert_eq!((rest.status, &rest.state, rest.tally), (whole.status, &whole.state, whole.tally));
-        assert_eq!((rest.event_count, &rest.jumps), (whole.event_count, &whole.jumps));
+        assert_eq!(rest.event_count, whole.event_count);
     }
 }
 
@@ -93,7 +93,7 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
         let motion = Motion::new(0..1, vec![1.0], vec![[0.3, 0.0]], history).unwrap();
         let loading = Loading::new(Vec::new(), vec![gap]).unwrap().with_motions(vec![motion], Vec::new()).unwrap();
         for linear in both() {
-            let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
+            let outcome = solve(&node(2.0, 0.5, 0.4), &loading, &[1.0, 2.0], HistoryMethod::ExactPath, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-12), (Status::Converged, true), "{gap} {outcome:?}");
         }
     }
@@ -217,7 +217,7 @@ fn random_paths(seeds: std::ops::Range<u64>) {
     let mut failed = Vec::new();
     for seed in seeds {
         let (problem, loading, end) = random_problem(&mut Random(seed));
-        let outcome = solve(&problem, &loading, &[end], HistoryMethod::EVENTS, LinearAlgebra::condensed());
+        let outcome = solve(&problem, &loading, &[end], HistoryMethod::ExactPath, LinearAlgebra::condensed());
         if outcome.status != Status::Converged || worst(&outcome) > 1e-12 {
             failed.push((seed, outcome.status, outcome.reached, worst(&outcome)));
         }
@@ -277,7 +277,7 @@ fn of_three_continuations_one_is_taken() {
     for mu in [0.5, 3.0] {
         let (problem, loading) = (node(2.0, 1.5, mu), loads(&[(0.0, [0.0; 2]), (1.0, [1.0, 1.0])]));
         for linear in both() {
-            let outcome = solve(&problem, &loading, &[1.0], HistoryMethod::EVENTS, linear);
+            let outcome = solve(&problem, &loading, &[1.0], HistoryMethod::ExactPath, linear);
             assert_eq!((outcome.status, worst(&outcome) < 1e-14), (Status::Converged, true), "{mu} {linear}");
         }
     }
@@ -294,7 +294,7 @@ fn a_lost_continuation_is_told_with_its_load() {
     let problem = node(2.0, 1.5, mu);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0])]);
     for linear in both() {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::ExactPath, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         // f_t = mu f_n at half of the second second.
         let lost = outcome.lost.unwrap();
@@ -305,38 +305,22 @@ fn a_lost_continuation_is_told_with_its_load() {
         assert_eq!(outcome.records.len(), 2);
     }
     // With less friction it slips on.
-    let outcome = solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], HistoryMethod::EVENTS, LinearAlgebra::default());
+    let outcome =
+        solve(&node(2.0, 1.5, 1.0), &loading, &[1.0, 2.0], HistoryMethod::ExactPath, LinearAlgebra::default());
     assert_eq!(outcome.status, Status::Converged);
     assert!(outcome.events.iter().any(|event| event.to == NodeStatus::Forward));
 }
 
-/// On request such a path goes on with a jump, and is exact again behind it.
+/// A path that is taken up at the end of an increment goes on as the whole one.
 #[test]
-fn a_lost_path_goes_on_with_a_jump() {
-    let problem = node(2.0, 1.5, 2.0);
+fn a_path_is_taken_up_where_it_rested() {
+    let problem = node(2.0, 1.5, 1.0);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 1.0]), (2.0, [4.0, 1.0]), (3.0, [0.0, 3.0])]);
-    let jump = HistoryMethod::ExactPath { jump: true };
-    for (linear, times) in [
-        (LinearAlgebra::default(), vec![1.0, 2.0, 3.0]),
-        (LinearAlgebra::condensed(), vec![1.0, 2.0, 3.0]),
-        (LinearAlgebra::condensed(), vec![0.7, 1.9, 2.2, 3.0]),
-    ] {
-        let outcome = solve(&problem, &loading, &times, jump, linear);
-        assert_eq!(outcome.status, Status::Converged, "{linear}");
-        let [over] = outcome.jumps[..] else { panic!("{:?}", outcome.jumps) };
-        assert!((over.from - 1.5).abs() < 1e-12 && over.to > 1.5 && over.to <= 2.0 && over.certain, "{over:?}");
-        let jumps: Vec<usize> = outcome.records.iter().map(|record| record.jumps).collect();
-        assert_eq!((jumps[0], jumps[1], jumps.iter().sum::<usize>()), (0, 1, 1));
-        // Nothing presses on the way over: the only solution is off the obstacle, and it comes back later.
-        assert!(worst(&outcome) <= 1e-10, "{:e}", worst(&outcome));
-        let before = outcome.events.iter().filter(|event| event.time <= over.from).count();
-        assert!(outcome.events[before..].iter().any(|event| event.to == NodeStatus::Open), "{:?}", outcome.events);
-        taken_up(&problem, &loading, &times, jump, linear);
+    for linear in [LinearAlgebra::default(), LinearAlgebra::condensed()] {
+        for times in [vec![1.0, 2.0, 3.0], vec![0.7, 1.9, 2.2, 3.0]] {
+            taken_up(&problem, &loading, &times, HistoryMethod::ExactPath, linear);
+        }
     }
-    // Where nothing but friction could hold there is nothing to jump to.
-    let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
-    let outcome = solve(&node(0.0, 0.0, 0.5), &loading, &[1.0, 2.0], jump, LinearAlgebra::default());
-    assert_eq!((outcome.status, outcome.jumps.len()), (Status::NoContinuation, 0));
 }
 
 /// Nothing but friction holds the node along the plane: it sticks until the cone is reached, and then no rates are in equilibrium.
@@ -345,7 +329,7 @@ fn a_body_that_slides_freely_is_lost_when_friction_gives_way() {
     let problem = node(0.0, 0.0, 0.5);
     let loading = loads(&[(0.0, [0.0; 2]), (1.0, [0.0, 2.0]), (2.0, [4.0, 2.0])]);
     for linear in both() {
-        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::EVENTS, linear);
+        let outcome = solve(&problem, &loading, &[1.0, 2.0], HistoryMethod::ExactPath, linear);
         assert_eq!(outcome.status, Status::NoContinuation, "{linear}");
         assert!((outcome.reached - 1.25).abs() < 1e-12, "{}", outcome.reached);
     }
@@ -396,7 +380,7 @@ fn a_body_that_nothing_holds_is_named() {
     for (text, fix) in [(bare, "x"), (smooth, "y")] {
         let text = text.replace("fix = [\"x\", \"y\"]", &format!("fix = [\"{fix}\"]"));
         let model = model_with(&text, &["mesh.elements=[4,4]"]);
-        for method in [HistoryMethod::EVENTS, Method::BN.into(), Method::Ip.into()] {
+        for method in [HistoryMethod::ExactPath, Method::BN.into(), Method::Ip.into()] {
             for linear in both() {
                 let outcome = solve(&model.problem, &model.loading, &[1.0], method, linear);
                 assert_eq!(outcome.status, Status::Singular, "{fix} {method:?} {linear}");

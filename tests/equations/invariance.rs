@@ -2,7 +2,7 @@
 //! connects, on earlier increments, or on units. A state that breaks a law is not accepted under any of them.
 
 use crate::common::prelude::*;
-use stickslip::solver::history::{ExactPathSettings, follow_exact_path};
+use stickslip::solver::history::follow_exact_path;
 
 const FACTORS: [f64; 6] = [1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12];
 
@@ -182,7 +182,6 @@ fn solutions(posed: &Posed) -> Vec<(String, HistoryOutcome)> {
         }
     }
     let settings = HistorySettings::new(&problem, &loading, Method::BN).unwrap();
-    let settings = ExactPathSettings { jump: false, increments: settings };
     let path = follow_exact_path(&problem, &loading, &[0.5, 1.0], &settings, SystemSolver::default(), &mut ()).unwrap();
     found.push(("events".to_string(), path));
     found

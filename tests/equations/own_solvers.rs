@@ -2,7 +2,7 @@
 //! solved badly is no result.
 
 use crate::common::prelude::*;
-use stickslip::solver::history::{Error, ExactPathSettings};
+use stickslip::solver::history::Error;
 
 /// The sparse LU of this build behind a mask.
 struct Masked {
@@ -114,8 +114,7 @@ fn a_critical_friction_of_bad_solves_is_an_error() {
 #[test]
 fn events_are_followed_by_any_solver() {
     let model = discretise(&common::block(&["mesh.elements=[6,6]", "time.increments=5"])).unwrap();
-    let increments = settings_of(&model, Method::BN);
-    let settings = ExactPathSettings { jump: false, increments };
+    let settings = settings_of(&model, Method::BN);
     let times = [0.5, 1.0];
     let run = |system: SystemSolver| {
         let mut keep = Keep::default();

@@ -3,23 +3,6 @@
 use super::prelude::*;
 use crate::run::report::ForceJump;
 
-/// Warns that an exact path was continued by jumps.
-pub(super) fn of_path(solved: &Solved<'_>) -> Option<Warning> {
-    let jumps = &solved.outcome.jumps;
-    let first = jumps.first()?;
-    let more = match jumps.len() {
-        1 => String::new(),
-        many => format!(" (the first of {many} jumps)"),
-    };
-    let message = format!(
-        "no quasi-static motion continues from t = {} s: the states from t = {} s on are one of several that the \
-         laws allow after a jump{more}; only dynamics can decide which",
-        six_digits(first.from),
-        six_digits(first.to)
-    );
-    Some(Warning { kind: WarningKind::Jump, message })
-}
-
 /// Warns that contact forces jump in an increment.
 pub(super) fn of_forces(solved: &Solved<'_>) -> Option<Warning> {
     let ForceJump { from, to, share } = solved.jump?;

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::solver::events::{Jump, PathEnd};
+use crate::solver::events::PathEnd;
 use crate::solver::history::HistoryOutcome;
 
 /// The course of an exact path.
@@ -12,9 +12,6 @@ use crate::solver::history::HistoryOutcome;
 pub struct ExactPath {
     /// The number of changes of contact status.
     pub events: usize,
-    /// The jumps with which the path was continued, as requested.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub jumps: Vec<Jump>,
     /// The end of the quasi-static motion, if it ended.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lost: Option<PathEnd>,
@@ -22,6 +19,6 @@ pub struct ExactPath {
 
 impl ExactPath {
     pub(in crate::run) fn of(outcome: &HistoryOutcome) -> Self {
-        ExactPath { events: outcome.event_count, jumps: outcome.jumps.clone(), lost: outcome.lost }
+        ExactPath { events: outcome.event_count, lost: outcome.lost }
     }
 }

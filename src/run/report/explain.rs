@@ -6,7 +6,7 @@ use crate::algebra::vector::dot;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
 use crate::body::constraints::RigidMotion;
 use crate::body::model::Model;
-use crate::solver::history::{HistoryMethod, HistoryOutcome, Method, SolverChoice, Status};
+use crate::solver::history::{HistoryOutcome, Method, SolverChoice, Status};
 use crate::solver::laws::Law;
 use crate::solver::solvability::friction_work;
 
@@ -176,7 +176,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
     let why = match outcome.status {
         Status::Singular => unconstrained(model, outcome),
         Status::NoEquilibrium => no_equilibrium(model, outcome),
-        Status::NoContinuation => no_continuation(solver, model, outcome),
+        Status::NoContinuation => no_continuation(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
         Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
             "{violated}; displacements that are so much larger than the deformation, as of a slender or a hardly held \
@@ -308,7 +308,7 @@ fn no_equilibrium(model: &Model, outcome: &HistoryOutcome) -> String {
 }
 
 /// Explains why the exact path ends, and suggests a cure.
-fn no_continuation(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome) -> String {
+fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     if let Some(motion) = motion(model, outcome) {
         return format!(
             "the quasi-static motion ends here: within this increment the loads drive {}, and no contact force \
@@ -321,14 +321,11 @@ fn no_continuation(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcom
     } else {
         "no rates that satisfy the laws were found"
     };
-    let cure = if solver.method == (HistoryMethod::ExactPath { jump: true }) {
-        "no state to jump to was found up to the end of this increment: fewer increments let the jump reach further, \
-         and less friction may avoid it"
-    } else if model.rigid_motions.is_empty() {
-        "the motion can continue only by a jump, with solver.jump = true; less friction may avoid it"
+    let cure = if model.rigid_motions.is_empty() {
+        "the motion can continue only by a jump, which solver.method = \"bn\" solves with a warning; less friction may avoid it"
     } else {
-        "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, \
-         or continue with solver.jump = true to where the body comes to rest"
+        "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, or take \
+         solver.method = \"bn\", which finds where the body comes to rest"
     };
     format!("the quasi-static motion ends here: {proof}; {cure}")
 }

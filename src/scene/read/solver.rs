@@ -78,9 +78,9 @@ fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
             let help = "the exact path has no constants of the paper: leave solver.setting out";
             return Err(InputError::new("solver.setting", "the method events has no setting paper", help));
         }
-        (MethodName::Events, Setting::Default) => ("the method events", &["jump"]),
+        (MethodName::Events, Setting::Default) => ("the method events", &[]),
     };
-    let keys = given!(solver; start partition r_factor max_iterations jump);
+    let keys = given!(solver; start partition r_factor max_iterations);
     only(whose, own, keys).map_err(|fault| fault.with_key("solver"))?;
     Ok(match (solver.method, setting) {
         (MethodName::Ip, Setting::Paper) => {
@@ -92,7 +92,7 @@ fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
         (MethodName::Bn, Setting::Default) => {
             Method::Bn { r_factor: checked_factor(solver.r_factor)?, rescue: true }.into()
         }
-        (MethodName::Events, _) => HistoryMethod::ExactPath { jump: solver.jump.unwrap_or_default() },
+        (MethodName::Events, _) => HistoryMethod::ExactPath,
     })
 }
 

@@ -18,7 +18,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use super::coordinates::Coordinates;
 use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Snapshot, Tangent};
-use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{LinearError, Statistics};
 use crate::algebra::vector::dot;
 use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
@@ -374,9 +374,5 @@ impl Tangent for Dictionary {
             self.statistics = snapshot.statistics;
         }
         Ok(fits)
-    }
-
-    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
-        None
     }
 }

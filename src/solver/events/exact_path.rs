@@ -7,10 +7,9 @@ use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem, RateSearch};
 use super::stretch::{PathLoads, Stretch};
 use super::tangent::{Refined, Snapshot, SparseTangent, Tangent};
 use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
-use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{LinearError, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
-use crate::solver::laws::ContactStatus;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
@@ -202,42 +201,6 @@ impl<'a> ExactPath<'a> {
     /// Returns the state reached, SI.
     pub fn state(&self) -> State {
         self.equations.state(&self.now.at)
-    }
-
-    /// Returns the linear solver for temporary use by other equations, if they can use it.
-    pub(crate) fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
-        self.equations.linear_mut()
-    }
-
-    /// Continues from another `state` at `time`, later than the time reached, with these `statuses` of the contact
-    /// nodes.
-    pub(crate) fn continue_from(&mut self, time: f64, state: &State, statuses: &[ContactStatus]) {
-        self.now.stretch.begin_at(time, &self.loads);
-        (self.now.share, self.now.rates_valid) = (0.0, false);
-        let Scaling { force, length } = self.loads.scaling;
-        let [w_n, w_t, w_o] = self.loads.problem.contact_motion(&state.u);
-        let (w_t, p_t) = (self.along([&w_t, &w_o], length), self.along([&state.p_t, &state.p_o], force));
-        let scaled = |values: &[f64], unit: f64| values.iter().map(|value| value / unit).collect::<Vec<_>>();
-        self.now.statuses = (0..statuses.len())
-            .map(|i| match statuses[i] {
-                ContactStatus::Open => NodeStatus::Open,
-                ContactStatus::Stick if self.has_friction[i] => NodeStatus::Stick,
-                _ => NodeStatus::slip(p_t[i]),
-            })
-            .collect();
-        self.now.w_t_stick = w_t.iter().zip(&self.now.stretch.at.slide).map(|(w, slide)| w - slide).collect();
-        self.now.at = NodalContact {
-            w_n: scaled(&w_n, length),
-            w_t,
-            p_n: scaled(&state.p_n, force),
-            p_t,
-            u: scaled(&state.u, length),
-            u_rest: scaled(&state.u_rest, length),
-            rounding: 0.0,
-        };
-        self.now.rate = NodalContact::zero(statuses.len());
-        (self.now.at_bound, self.now.zero_steps) = (vec![false; statuses.len()], 0);
-        self.measure(&self.now.stretch.at.clone());
     }
 
     /// Returns the change of state due to forces (N, n_u) while no node changes its status, SI.

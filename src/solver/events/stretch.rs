@@ -58,15 +58,6 @@ impl Stretch {
         self.times = [start, end];
     }
 
-    /// Shortens the segment to start at `time` (s).
-    pub(super) fn begin_at(&mut self, time: f64, loads: &PathLoads<'_>) {
-        if self.times[1].is_finite() {
-            self.corners.push(self.times[1]);
-        }
-        self.times[1] = time;
-        self.next(loads);
-    }
-
     /// Returns the time after this share of the segment, s.
     pub(super) fn time_at(&self, share: f64) -> f64 {
         let [start, end] = self.times;

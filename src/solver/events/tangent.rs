@@ -61,9 +61,6 @@ pub(super) trait Tangent {
     /// # Errors
     /// If the linear solver fails.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError>;
-
-    /// Returns the linear solver for temporary use by other equations, if they can use it.
-    fn linear_mut(&mut self) -> Option<&mut RefinedSolver>;
 }
 
 /// A solution counts as that of a singular system if its rows are violated by more than this share of their largest
@@ -81,8 +78,6 @@ pub(super) struct SparseTangent<'a> {
     r_t: Vec<f64>,
     /// `true` if `linear` has factors.
     regular: bool,
-    /// `true` if `linear` has served other equations since it last factored these.
-    is_reused: bool,
     rhs: Vec<f64>,
     z: Vec<f64>,
 }
@@ -108,18 +103,7 @@ impl<'a> SparseTangent<'a> {
         let scaled = |r: &[f64]| r.iter().map(|r| r / scaling.stiffness()).collect();
         let (r_n, r_t) = (scaled(&conventions.r_n), scaled(&conventions.r_t));
         let zeros = || vec![0.0; rows.unknowns()];
-        Ok(SparseTangent {
-            problem,
-            tangents,
-            linear,
-            r_n,
-            r_t,
-            regular: false,
-            is_reused: false,
-            rhs: zeros(),
-            z: zeros(),
-            rows,
-        })
+        Ok(SparseTangent { problem, tangents, linear, r_n, r_t, regular: false, rhs: zeros(), z: zeros(), rows })
     }
 }
 
@@ -142,9 +126,6 @@ impl Tangent for SparseTangent<'_> {
             (normal, tangential)
         }));
         self.regular = false;
-        if std::mem::take(&mut self.is_reused) {
-            self.linear.analyze(self.rows.jacobian())?;
-        }
         if self.rows.unconstrained_mode().is_some() {
             return Ok(false);
         }
@@ -205,11 +186,6 @@ impl Tangent for SparseTangent<'_> {
             self.set_statuses(&snapshot.statuses)?;
         }
         Ok(true)
-    }
-
-    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
-        (self.is_reused, self.regular) = (true, false);
-        Some(self.linear)
     }
 }
 
@@ -331,9 +307,5 @@ impl Tangent for Refined<'_> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
         self.statuses.clone_from(&snapshot.statuses);
         self.equations.restore(snapshot)
-    }
-
-    fn linear_mut(&mut self) -> Option<&mut RefinedSolver> {
-        self.equations.linear_mut()
     }
 }

@@ -1,6 +1,6 @@
 //! The choices of a user about the solver.
 
-use super::events::{ExactPathSettings, follow_exact_path};
+use super::events::follow_exact_path;
 use super::method::Method;
 use super::record::Observer;
 use super::settings::{HistorySettings, MAX_ITERATIONS};
@@ -15,27 +15,21 @@ pub enum HistoryMethod {
     /// Increments, each solved by this algorithm.
     Increments(Method),
     /// The exact path in time, see [`follow_exact_path`].
-    ExactPath {
-        /// As [`ExactPathSettings::jump`].
-        jump: bool,
-    },
+    ExactPath,
 }
 
 impl HistoryMethod {
-    /// The exact path in time, without jumps.
-    pub const EVENTS: HistoryMethod = HistoryMethod::ExactPath { jump: false };
-
-    /// Returns the algorithm of the increments. For an exact path it is BN, which solves the increment of a jump.
+    /// Returns the algorithm of the increments. For an exact path it is BN, of which it has the settings.
     pub fn increments(self) -> Method {
         match self {
             HistoryMethod::Increments(method) => method,
-            HistoryMethod::ExactPath { .. } => Method::BN,
+            HistoryMethod::ExactPath => Method::BN,
         }
     }
 
     /// Returns `true` for the exact path in time.
     pub fn is_exact_path(self) -> bool {
-        matches!(self, HistoryMethod::ExactPath { .. })
+        matches!(self, HistoryMethod::ExactPath)
     }
 
     /// Returns the name in scenes and reports: `bn`, `ip` or `events`.
@@ -108,10 +102,7 @@ impl SolverChoice {
     ) -> Result<HistoryOutcome, Error> {
         match self.method {
             HistoryMethod::Increments(_) => run_with(problem, loading, times, settings, settings, system, observer),
-            HistoryMethod::ExactPath { jump } => {
-                let settings = ExactPathSettings { jump, increments: settings.clone() };
-                follow_exact_path(problem, loading, times, &settings, system, observer)
-            }
+            HistoryMethod::ExactPath => follow_exact_path(problem, loading, times, settings, system, observer),
         }
     }
 }

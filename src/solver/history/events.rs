@@ -1,17 +1,9 @@
 //! A history along its exact path in time. An increment here is the interval between two output times; it does not affect
 //! the path.
-//!
-//! # Jumps
-//!
-//! A jump is an increment beyond the end of the quasi-static motion, to a state that the laws of an increment allow.
-//!
-//! Which of these states a body reaches is a question of dynamics. Newton's method starts from the last state, the
-//! interior point method from a point of its own. If neither reaches the end of the increment, both try half of the
-//! increment, a quarter, and so on.
 
 use super::body::{Body, RecoveredState, Responds};
 use super::driver::HistoryDriver;
-use super::record::{IncrementRecord, IncrementView, Observer, Seconds, Status, is_solution};
+use super::record::{IncrementView, Observer, Seconds, Status, is_solution};
 use super::saved::{RunOf, SavedPath};
 use super::settings::HistorySettings;
 use super::state::{HistoryState, Step};
@@ -20,7 +12,7 @@ use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::{Condensation, Condensed};
-use crate::solver::events::{Equations, Event, ExactPath, Jump, PathEnd, PathError, SegmentEnd};
+use crate::solver::events::{Equations, Event, ExactPath, PathError, SegmentEnd};
 use crate::solver::laws::{Judgement, KktScales, statuses_of};
 use crate::solver::loading::Loading;
 use crate::solver::newton::{IterationRecord, MethodResult};
@@ -33,24 +25,11 @@ use std::time::Instant;
 /// last node begins to slip, with this many digits.
 const USED_UP: f64 = 1e-6;
 
-/// The settings of an exact path in time.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ExactPathSettings {
-    /// `true` if the path continues by a jump beyond the end of the quasi-static motion, to a state that the laws of an
-    /// increment allow.
-    pub jump: bool,
-    /// The settings of the increments that are solved where the path jumps. The path itself has their scaling,
-    /// tolerance, choice of records, and checkpoint.
-    pub increments: HistorySettings,
-}
-
 /// A history in which each step from event to event is judged, and each end of an increment on the whole body.
 struct ExactHistory<'a> {
     body: Body<'a>,
-    condensation: Option<&'a Condensation>,
     /// The ends of all increments, s.
     times: &'a [f64],
-    jump: bool,
     settings: &'a HistorySettings,
     observer: &'a mut dyn Observer,
     path: ExactPath<'a>,
@@ -69,12 +48,9 @@ struct StepStart {
 /// An increment so far.
 struct IncrementSoFar {
     index: usize,
-    /// The end of the increment, s.
-    end: f64,
     clock: Instant,
     before: Statistics,
     rates: usize,
-    jumps: usize,
     /// The sum of its steps, with the state of none.
     sum: Step,
 }
@@ -89,12 +65,11 @@ pub fn follow_exact_path(
     problem: &ContactProblem,
     loading: &Loading,
     times: &[f64],
-    settings: &ExactPathSettings,
+    settings: &HistorySettings,
     system: SystemSolver,
     observer: &mut dyn Observer,
 ) -> Result<HistoryOutcome, Error> {
     let start = Instant::now();
-    let ExactPathSettings { jump, increments: ref settings } = *settings;
     loading.check(problem)?;
     settings.check(problem)?;
     check_times(times)?;
@@ -103,7 +78,7 @@ pub fn follow_exact_path(
     problem.dependent_nodes().into_iter().for_each(|i| mu[i] = 0.0);
     let problem = &problem.with_friction(mu)?;
     let mut outcome = HistoryOutcome::unsolved(problem);
-    let saved = settings.from.as_ref().map(|from| SavedPath::read(from, problem, loading, times, settings, jump));
+    let saved = settings.from.as_ref().map(|from| SavedPath::read(from, problem, loading, times, settings));
     let saved = saved.transpose()?;
     let (mut linear, condensation) = match system {
         SystemSolver::Whole(linear) => (linear, None),
@@ -134,8 +109,8 @@ pub fn follow_exact_path(
     outcome.setup_seconds = start.elapsed().as_secs_f64();
     observer.ready();
     let body = Body { problem, loading, condensed: condensed.as_ref().ok().and_then(Option::as_ref) };
-    let (condensation, scales) = (condensation.as_ref(), Default::default());
-    let mut history = ExactHistory { body, condensation, times, jump, settings, observer, path, scales, outcome };
+    let scales = Default::default();
+    let mut history = ExactHistory { body, times, settings, observer, path, scales, outcome };
     match history.follow(saved) {
         Err(Error::Linear(LinearError::OutOfMemory { .. })) => history.outcome.status = Status::OutOfMemory,
         followed => followed?,
@@ -159,11 +134,9 @@ impl ExactHistory<'_> {
         for (k, &time) in self.times.iter().enumerate().skip(self.outcome.tally.increments) {
             let mut in_progress = IncrementSoFar {
                 index: k + 1,
-                end: time,
                 clock: Instant::now(),
                 before: self.path.statistics(),
                 rates: self.path.effort().solves,
-                jumps: 0,
                 sum: Step::default(),
             };
             let (step_start, lost) = loop {
@@ -172,11 +145,6 @@ impl ExactHistory<'_> {
                 step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
                 in_progress.sum.friction_work += step.friction_work;
                 match step.stop {
-                    SegmentEnd::PathEnd(lost) if self.jump => {
-                        if !self.jump(lost, &step_start, &mut in_progress)? {
-                            break (step_start, Some(lost));
-                        }
-                    }
                     SegmentEnd::PathEnd(lost) => break (step_start, Some(lost)),
                     SegmentEnd::Event if self.path.is_beginning() => {}
                     stop => {
@@ -211,9 +179,9 @@ impl ExactHistory<'_> {
                 self.outcome.status = Status::Interrupted;
                 return Ok(());
             }
-            let ExactHistory { jump, outcome, path, scales, times, settings, .. } = self;
+            let ExactHistory { outcome, path, scales, times, settings, .. } = self;
             let run = || RunOf::new(problem, loading, &times[..=k], settings);
-            let here = || SavedPath::checkpoint(run(), *jump, outcome, path, scales.clone());
+            let here = || SavedPath::checkpoint(run(), outcome, path, scales.clone());
             self.observer.rest(&here);
         }
         Ok(())
@@ -273,42 +241,6 @@ impl ExactHistory<'_> {
         evaluate(&Load { force: &force, sizes: &sizes })
     }
 
-    /// Continues by a jump from the end of the quasi-static motion, at most to the end of the increment. Returns
-    /// `true` if a state was found.
-    fn jump(&mut self, lost: PathEnd, step_start: &StepStart, in_progress: &mut IncrementSoFar) -> Result<bool, Error> {
-        let (Body { problem, loading, .. }, settings) = (self.body, self.settings);
-        let data = StepData::new(problem, loading, lost.time, step_start);
-        let RecoveredState { state, .. } = self.balanced(&data)?;
-        let scales = &mut self.scales[1];
-        *scales = Judgement::near(problem, &data.increment(), &state, scales, settings.tolerance)?.scales();
-        let edge = RestartPoint { problem, loading, settings, time: lost.time, state, scales: scales.clone() };
-        let landed = match (self.condensation, self.path.linear_mut()) {
-            (Some(condensation), _) => edge.jump(in_progress.end, &mut JumpSolver::Condensed(condensation))?,
-            (None, Some(linear)) => edge.jump(in_progress.end, &mut JumpSolver::Whole(linear))?,
-            (None, None) => None,
-        };
-        let Some((time, HistoryOutcome { state, records, .. })) = landed else { return Ok(false) };
-        let data = StepData::new(problem, loading, time, &StepStart { slips: self.path.slips(), time: lost.time });
-        let statuses = statuses_of(problem, &data.increment(), &state);
-        let before = self.path.statuses().to_vec();
-        self.path.continue_from(time, &self.body.restricted(&state), &statuses);
-        let after = self.path.statuses().to_vec();
-        for (node, (from, to)) in before.into_iter().zip(after).enumerate().filter(|(_, (a, b))| a != b) {
-            self.report(in_progress.index, Event { time, node, from, to });
-        }
-        if let Some(record) = records.last() {
-            in_progress.sum.kkt = in_progress.sum.kkt.max(&record.kkt);
-            in_progress.sum.friction_work += record.friction_work;
-        }
-        in_progress.jumps += 1;
-        in_progress
-            .sum
-            .ends
-            .extend([lost.time, time].into_iter().filter(|end| *end < in_progress.end && *end > step_start.time));
-        self.outcome.jumps.push(Jump { from: lost.time, to: time, certain: lost.certain });
-        Ok(true)
-    }
-
     /// Returns the state of the whole body at the time that the path has reached, with the loads there in the scales.
     fn balanced(&mut self, data: &StepData) -> Result<RecoveredState, Error> {
         let (body, scales) = (self.body, &mut self.scales[1]);
@@ -345,10 +277,10 @@ impl ExactHistory<'_> {
             ..MethodResult::nothing()
         };
         let seconds = Seconds::between(&in_progress.before, &after, 0.0, in_progress.clock.elapsed().as_secs_f64());
-        let IncrementSoFar { index, sum, jumps, .. } = in_progress;
+        let IncrementSoFar { index, sum, .. } = in_progress;
         let result = Step { solved, state, scales, kkt, status, ..sum };
         let record = result.record(problem, (index, data.time, &data.force), &statuses, seconds);
-        let (record, Step { state, scales, .. }) = (IncrementRecord { jumps, ..record }, result);
+        let Step { state, scales, .. } = result;
         let flow = self.observer.increment(&IncrementView {
             record: &record,
             increment: &increment,
@@ -418,19 +350,19 @@ impl StepData {
     }
 }
 
-/// The start of a jump, or of increments that are solved again.
+/// The start of increments that are solved again.
 pub(crate) struct RestartPoint<'a> {
     pub problem: &'a ContactProblem,
     pub loading: &'a Loading,
     pub settings: &'a HistorySettings,
-    /// The time at which the motion ended, s.
+    /// The time at their start, s.
     pub time: f64,
     /// The state at that time.
     pub state: State,
     pub scales: KktScales,
 }
 
-/// The linear solver of a jump.
+/// The linear solver of these increments.
 pub(crate) enum JumpSolver<'m> {
     /// The solver of the whole body.
     Whole(&'m mut RefinedSolver),
@@ -439,26 +371,6 @@ pub(crate) enum JumpSolver<'m> {
 }
 
 impl RestartPoint<'_> {
-    /// Jumps to the time `to` (s), or as far towards it as a solution is found. Returns the time reached with its outcome,
-    /// or `None` if none is found.
-    ///
-    /// # Errors
-    /// As [`super::run`].
-    pub(super) fn jump(&self, to: f64, solver: &mut JumpSolver<'_>) -> Result<Option<(f64, HistoryOutcome)>, Error> {
-        let settings = HistorySettings { halvings: 0, ..self.settings.clone() };
-        for halvings in 0..=self.settings.halvings {
-            let time = self.time + (to - self.time) * 0.5_f64.powi(halvings as i32);
-            if time <= self.time {
-                break;
-            }
-            let outcome = self.try_to(&[time], &settings, &mut (), solver)?;
-            if outcome.status == Status::Converged && !outcome.records.is_empty() {
-                return Ok(Some((time, outcome)));
-            }
-        }
-        Ok(None)
-    }
-
     /// Solves the increments that end at `times` (s), as far as they converge, and shows them to `observer`. Returns
     /// the last outcome.
     ///
@@ -470,17 +382,7 @@ impl RestartPoint<'_> {
         observer: &mut dyn Observer,
         solver: &mut JumpSolver<'_>,
     ) -> Result<Status, Error> {
-        Ok(self.try_to(times, self.settings, observer, solver)?.status)
-    }
-
-    fn try_to(
-        &self,
-        times: &[f64],
-        settings: &HistorySettings,
-        observer: &mut dyn Observer,
-        solver: &mut JumpSolver<'_>,
-    ) -> Result<HistoryOutcome, Error> {
-        let &RestartPoint { problem, loading, ref state, ref scales, .. } = self;
+        let &RestartPoint { problem, loading, settings, ref state, ref scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
         let mut history = HistoryState {
             reached: Some(self.time),
@@ -499,6 +401,6 @@ impl RestartPoint<'_> {
             }
             JumpSolver::Condensed(condensation) => driver.condensed(settings, condensation)?,
         }
-        Ok(driver.outcome)
+        Ok(driver.outcome.status)
     }
 }

@@ -126,9 +126,6 @@ pub struct IncrementRecord {
     /// The number of contact nodes that joined the working set of the condensed equations in this increment.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub joined: usize,
-    /// The number of jumps over the end of a quasi-static motion in this increment.
-    #[serde(default, skip_serializing_if = "is_zero")]
-    pub jumps: usize,
     /// The number of attempts at the increment and its substeps: equal to `parts` if the first was always enough, 0 on an
     /// exact path.
     #[serde(default)]

@@ -67,8 +67,6 @@ pub(super) struct SavedPath {
     pub run: RunOf,
     pub outcome: HistoryOutcome,
     pub path: SavedExactPath,
-    /// As [`super::ExactPathSettings::jump`].
-    jump: bool,
     /// The scales of the steps from event to event, and of the increments.
     pub scales: [KktScales; 2],
 }
@@ -151,10 +149,10 @@ impl HistoryOutcome {
     /// Returns the results so far from which a history continues: what a checkpoint stores of them.
     pub(super) fn so_far(&self) -> Self {
         let HistoryOutcome { tally, reached, working_set, increment_error, event_count, .. } = *self;
-        let (state, scales, jumps) = (self.state.clone(), self.scales.clone(), self.jumps.clone());
+        let (state, scales) = (self.state.clone(), self.scales.clone());
         let layout = self.layout.clone();
         let nothing = HistoryOutcome { tally, reached, working_set, increment_error, ..HistoryOutcome::default() };
-        HistoryOutcome { state, scales, event_count, jumps, layout, ..nothing }
+        HistoryOutcome { state, scales, event_count, layout, ..nothing }
     }
 
     /// Adds the record of an increment. Keeps all records, or only the last two.
@@ -219,12 +217,11 @@ impl SavedPath {
     /// Creates a checkpoint of an exact path after the increments so far.
     pub(super) fn checkpoint(
         run: RunOf,
-        jump: bool,
         outcome: &HistoryOutcome,
         path: &ExactPath<'_>,
         scales: [KktScales; 2],
     ) -> Checkpoint {
-        let saved = SavedPath { run, outcome: outcome.so_far(), path: path.save(), jump, scales };
+        let saved = SavedPath { run, outcome: outcome.so_far(), path: path.save(), scales };
         Checkpoint::new(outcome.tally.increments, outcome.reached, &saved)
     }
 
@@ -235,14 +232,10 @@ impl SavedPath {
         loading: &Loading,
         times: &[f64],
         settings: &HistorySettings,
-        jump: bool,
     ) -> Result<Self, CheckpointError> {
         let saved: SavedPath = checkpoint.part(0)?;
         let times = saved.outcome.times(checkpoint, times)?;
         saved.run.is_that_of(&RunOf::new(problem, loading, times, settings))?;
-        if saved.jump != jump {
-            return Err(CheckpointError::Other { what: "the method" });
-        }
         if saved.outcome.state.check(problem).is_err() {
             return Err(CheckpointError::Damaged);
         }

@@ -34,10 +34,10 @@ fn every_law_at_every_event(most_nodes: usize) -> usize {
             let what = format!("{table:?} n_c = {}, mu = {}", cases[0].contact_nodes, cases[0].mu);
             let paths: Vec<HistoryOutcome> = cases
                 .iter()
-                .map(|case| solve(table, case, HistoryMethod::EVENTS, LinearAlgebra::condensed()))
+                .map(|case| solve(table, case, HistoryMethod::ExactPath, LinearAlgebra::condensed()))
                 .collect();
             let whole = (cases[0].contact_nodes <= 20)
-                .then(|| solve(table, &cases[0], HistoryMethod::EVENTS, LinearAlgebra::default()));
+                .then(|| solve(table, &cases[0], HistoryMethod::ExactPath, LinearAlgebra::default()));
             for path in paths.iter().chain(&whole) {
                 let worst = path.records.iter().fold(0.0_f64, |m, record| m.max(record.kkt.worst().1));
                 let rates: usize = path.records.iter().map(|record| record.iterations).sum();

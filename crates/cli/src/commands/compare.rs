@@ -70,7 +70,7 @@ fn method(name: &str, setting: &str) -> HistoryMethod {
     match (name, setting) {
         ("ip", "paper") => Method::paper_ip(Start::Safe).into(),
         ("ip", _) => Method::Ip.into(),
-        ("events", _) => HistoryMethod::EVENTS,
+        ("events", _) => HistoryMethod::ExactPath,
         (_, "paper") => Method::PaperBn.into(),
         _ => Method::BN.into(),
     }

@@ -53,9 +53,6 @@ impl Progress {
         if r.joined > 0 {
             notes.push(format!("{} contact nodes joined", r.joined));
         }
-        if r.jumps > 0 {
-            notes.push(if r.jumps == 1 { "a jump".to_string() } else { format!("{} jumps", r.jumps) });
-        }
         if r.rescued {
             notes.push("solved by ip".to_string());
         }

@@ -96,7 +96,7 @@ fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: us
         solve(scene, model, built, SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
     };
     if has_exact_path(model) {
-        let path = by(HistoryMethod::EVENTS, 1)?;
+        let path = by(HistoryMethod::ExactPath, 1)?;
         if path.course.status == Status::Converged {
             return Ok(Solved { increments: 0, ..path });
         }
@@ -153,8 +153,6 @@ impl SolverPath {
             paper @ Method::PaperIp { .. } => tolerance.max(paper.default_tolerance()),
             _ => tolerance,
         };
-        // An exact path jumps if that of the scene does.
-        let method = if method.is_exact_path() && of_scene.method.is_exact_path() { of_scene.method } else { method };
         SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
     }
 }

@@ -22,7 +22,7 @@ const CHOLESKY: SparseCholesky = if cfg!(feature = "umfpack") { SparseCholesky::
 
 const BN: SolverPath = SolverPath { method: HistoryMethod::Increments(Method::BN), linear: LinearAlgebra::Whole(LU) };
 const IP: SolverPath = SolverPath { method: HistoryMethod::Increments(Method::Ip), ..BN };
-const EVENTS: SolverPath = SolverPath { method: HistoryMethod::EVENTS, ..BN };
+const EVENTS: SolverPath = SolverPath { method: HistoryMethod::ExactPath, ..BN };
 pub const CONDENSED: SolverPath = SolverPath { linear: LinearAlgebra::Condensed(CHOLESKY), ..BN };
 
 fn block(overrides: &[&str]) -> Scene {

@@ -273,7 +273,7 @@ fn reports() -> Vec<Value> {
             ],
         ),
         json_of(&lost_path(), &["--method", "events"]),
-        json_of(OBLIQUE_BEAM, &["--set", "solver.jump=true"]),
+        json_of(OBLIQUE_BEAM, &["--method", "bn"]),
     ]
 }
 

@@ -203,7 +203,8 @@ fn print_largest(report: &RunReport) {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
         let of_steps = match time_error {
             Some(error) if error.abs() >= 1e-3 => {
-                let (verb, corrected) = (if error < 0.0 { "take" } else { "add" }, energy(friction_work * (1.0 - error)));
+                let (verb, corrected) =
+                    (if error < 0.0 { "take" } else { "add" }, energy(friction_work * (1.0 - error)));
                 format!("increments {verb} {}: corrected {corrected}", percent(error.abs()))
             }
             error => format!("error of the increments {}", about(error)),
