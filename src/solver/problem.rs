@@ -511,21 +511,21 @@ fn check_rigid_modes(stiffness: &Stiffness, motions: &[Vec<f64>]) -> Result<(), 
             return Err(ProblemError::Resisted { motion, row, share: force[row].abs() / largest });
         }
         let length = r.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        let mut left: Vec<f64> = r.iter().map(|x| x / length).collect();
+        let mut direction: Vec<f64> = r.iter().map(|x| x / length).collect();
         let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
-        let whole = norm(&left);
+        let whole = norm(&direction);
         for other in &basis {
-            let along: f64 = left.iter().zip(other).map(|(x, y)| x * y).sum();
-            left.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
+            let along: f64 = direction.iter().zip(other).map(|(x, y)| x * y).sum();
+            direction.iter_mut().zip(other).for_each(|(x, y)| *x -= along * y);
         }
-        let remainder = norm(&left);
+        let remainder = norm(&direction);
         if remainder.is_nan() || remainder <= INDEPENDENT * whole {
             return Err(ProblemError::Dependent { motion });
         }
-        for x in &mut left {
+        for x in &mut direction {
             *x /= remainder;
         }
-        basis.push(left);
+        basis.push(direction);
     }
     Ok(())
 }

@@ -151,9 +151,9 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
         for row in (0..n).filter(|row| (diagonal[*row] == 0.0) == constrained) {
             let mut sum = balance[row];
             sum.add(-problem.f()[row]);
-            let left = sum.value().abs();
-            let left = if left > rounding[row] { left - rounding[row] } else { 0.0 * left };
-            raise(&mut error[of_unknown[row]], scaled(row, left));
+            let residual = sum.value().abs();
+            let residual = if residual > rounding[row] { residual - rounding[row] } else { 0.0 * residual };
+            raise(&mut error[of_unknown[row]], scaled(row, residual));
             // A constraint is compared only with the sizes of its terms.
             let own = if constrained { forces[row] + rounding[row] / f64::EPSILON } else { forces[row] };
             raise(&mut scale[of_unknown[row]], scaled(row, own));

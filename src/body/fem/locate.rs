@@ -82,9 +82,9 @@ pub(crate) fn reference_point(kind: CellKind, nodes: &[[f64; 3]], x: [f64; 3]) -
     for _ in 0..MAX_STEPS {
         let values = shape(kind, point);
         let at = |c: usize| values.iter().zip(nodes).map(|(n, node)| n * node[c]).sum::<f64>();
-        let left = [0, 1, 2].map(|c| x[c] - at(c));
+        let residual = [0, 1, 2].map(|c| x[c] - at(c));
         let Jacobian { cofactors, determinant: det, .. } = Jacobian::new(kind, point, nodes);
-        let step = cofactors.map(|cofactor| dot(left, cofactor) / det);
+        let step = cofactors.map(|cofactor| dot(residual, cofactor) / det);
         (0..3).for_each(|r| point[r] += step[r]);
         let length = step.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
         // Far outside, the map may not be invertible.

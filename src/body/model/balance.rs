@@ -350,10 +350,10 @@ impl Model {
         let springs: Vec<Wrench> = springs.iter().map(of_bed).collect();
         size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();
         let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
-        let mut left: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
-        left += contact;
-        left.moment = plus(left.moment, 1.0, glue.moment);
-        let [closure, force_closure] = self.left_of(left).map(|left| if size > 0.0 { left / size } else { 0.0 });
+        let mut imbalance: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
+        imbalance += contact;
+        imbalance.moment = plus(imbalance.moment, 1.0, glue.moment);
+        let [closure, force_closure] = self.left_of(imbalance).map(|left| if size > 0.0 { left / size } else { 0.0 });
         Balance { loads, supports, springs, sections, contact, closure, force_closure, size }
     }
 

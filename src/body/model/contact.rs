@@ -481,8 +481,8 @@ pub(super) fn determined(
             row.iter().for_each(|(dof, c)| entries[columns[dof]] += c);
             null_space::Row::of_unit_size(entries)
         };
-        let left = null_space(columns.len(), rows.iter().map(row)).len();
-        if columns.len() - left == rows.len() {
+        let free = null_space(columns.len(), rows.iter().map(row)).len();
+        if columns.len() - free == rows.len() {
             continue;
         }
         let boundary = boundaries.iter().find(|boundary| nodes_of_point.iter().any(|i| boundary.nodes.contains(i)));

@@ -184,8 +184,8 @@ pub fn range_left(
         let share = missed / indentation;
         let noise = SOLVED * largest + DISTANCE_ROUNDING * (norm(position) + norm(x));
         // A closed node that no longer has the obstacle in front of it is the worst case.
-        let left = missed > noise && share > TOLERATED_SHARE || node.closed && exact.is_nan();
-        if left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {
+        let is_left = missed > noise && share > TOLERATED_SHARE || node.closed && exact.is_nan();
+        if is_left && worst.is_none_or(|worst| share.is_nan() || share > worst.share) {
             worst = Some(RangeLeft { node: node.node, position, time: t, linearised, exact, share });
         }
     }

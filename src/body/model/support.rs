@@ -336,11 +336,11 @@ fn nearest_translation(prescribed: impl Iterator<Item = ([f64; 3], f64)> + Clone
             basis.push((member.into_iter().map(|x| x / length).collect(), made_of.map(|x| x / length)));
         }
     }
-    let mut left: Vec<f64> = prescribed.map(|(_, value)| value).collect();
+    let mut residual: Vec<f64> = prescribed.map(|(_, value)| value).collect();
     let mut translation = [0.0; 3];
     for (member, made_of) in basis.iter().chain(&basis) {
-        let along = dot(&left, member);
-        left.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
+        let along = dot(&residual, member);
+        residual.iter_mut().zip(member).for_each(|(x, y)| *x -= along * y);
         (0..3).for_each(|c| translation[c] += along * made_of[c]);
     }
     translation

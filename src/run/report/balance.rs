@@ -168,10 +168,10 @@ pub struct BalanceWatch {
 impl BalanceWatch {
     /// Examines the end of a converged increment. Increments that did not converge are not balanced anyway.
     pub fn observe(&mut self, record: &BalanceRecord) {
-        let left = record.balance * record.size;
+        let imbalance = record.balance * record.size;
         self.largest = self.largest.max(record.size);
-        if self.worst.is_none_or(|[worst, ..]| left >= worst || left.is_nan()) {
-            self.worst = Some([left, record.of_forces * record.size, record.time]);
+        if self.worst.is_none_or(|[worst, ..]| imbalance >= worst || imbalance.is_nan()) {
+            self.worst = Some([imbalance, record.of_forces * record.size, record.time]);
         }
     }
 

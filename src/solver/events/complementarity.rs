@@ -234,11 +234,11 @@ pub(super) fn lemke(m: &[f64], q: &[f64]) -> Option<Vec<bool>> {
     let (mut row, mut entering) = (first, artificial);
     for _ in 0..PATIENCE * (n + 1) {
         pivot(&mut table, width, row, entering);
-        let left = std::mem::replace(&mut basis[row], entering);
-        if left == artificial {
+        let leaving = std::mem::replace(&mut basis[row], entering);
+        if leaving == artificial {
             return Some((0..n).map(|k| basis.contains(&(n + k))).collect());
         }
-        entering = if left < n { left + n } else { left - n };
+        entering = if leaving < n { leaving + n } else { leaving - n };
         row = ratio_test(&table, width, entering, &basis, artificial)?;
     }
     None

@@ -189,7 +189,7 @@ impl Dictionary {
         };
         // The change goes through an intermediate status, sticking or open, whose force is measured from 0.
         let drive = |status: NodeStatus| status.sign() * self.mu[i];
-        let (left, entered) = (drive(from), drive(to));
+        let (leaving, entered) = (drive(from), drive(to));
         if from == NodeStatus::Open && to.is_closed() {
             // F_t = (F_t - d F_n) + d F_n, both prescribed.
             self.add_column(t, normal, entered);
@@ -202,14 +202,14 @@ impl Dictionary {
             if !self.pivot(normal, true) {
                 return false;
             }
-            self.add_column(t, normal, -left);
+            self.add_column(t, normal, -leaving);
             return true;
         }
         if from.sign() != 0.0 {
             if !self.pivot(t, false) {
                 return false;
             }
-            self.add_row(n, normal, t, left);
+            self.add_row(n, normal, t, leaving);
         }
         if to.sign() != 0.0 {
             self.add_row(n, normal, t, -entered);

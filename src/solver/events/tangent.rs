@@ -243,21 +243,21 @@ impl<'a> Refined<'a> {
         let load: Vec<f64> = given.force.iter().map(|f| f * force).collect();
         let imbalance = self.problem.imbalance(&load, &state)?;
         let maps = self.problem.tangential_maps();
-        let mut left = Given {
+        let mut residual = Given {
             force: imbalance.into_iter().map(|r| -r / force).collect(),
             gap: vec![0.0; given.gap.len()],
             slide: vec![0.0; given.slide.len()],
         };
         for (i, status) in self.statuses.iter().enumerate() {
             if status.is_closed() {
-                left.gap[i] =
+                residual.gap[i] =
                     -self.problem.c_n().difference(i, &state.u, &state.u_rest, given.gap[i] * length) / length;
             }
             if let (true, Some(k)) = (status.is_sticking(), self.tangents[i]) {
-                left.slide[i] = -maps[k].difference(i, &state.u, &state.u_rest, given.slide[i] * length) / length;
+                residual.slide[i] = -maps[k].difference(i, &state.u, &state.u_rest, given.slide[i] * length) / length;
             }
         }
-        Ok(left)
+        Ok(residual)
     }
 }
 
@@ -278,14 +278,14 @@ impl Tangent for Refined<'_> {
         answer.u_rest = vec![0.0; answer.u.len()];
         let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
-            let left = self.residual(given, answer)?;
-            let violation = largest(&left.force);
+            let residual = self.residual(given, answer)?;
+            let violation = largest(&residual.force);
             if violation >= 0.5 * before {
                 break;
             }
             before = violation;
             let mut change = NodalContact::zero(self.statuses.len());
-            if !self.equations.solve(&left, &mut change)? {
+            if !self.equations.solve(&residual, &mut change)? {
                 break;
             }
             answer.add(1.0, &change);

@@ -116,9 +116,9 @@ impl BnMethod {
         let (layout, scaling) = (self.formulation.layout().clone(), *self.formulation.scaling());
         let all: Vec<usize> = if task.first { (0..layout.contacts()).collect() } else { Vec::new() };
         for &i in task.landed.unwrap_or(&all) {
-            let left = task.increment.gap[i] / scaling.length - task.problem.c_n().dot(i, &self.z);
+            let gap = task.increment.gap[i] / scaling.length - task.problem.c_n().dot(i, &self.z);
             let pressed = if task.first { 0.0 } else { task.response.contact_force };
-            let closed = 2.0 * self.formulation.r_n(i) * left + pressed;
+            let closed = 2.0 * self.formulation.r_n(i) * gap + pressed;
             let p_n = &mut self.z[layout.p_n(i)];
             *p_n = p_n.max(closed);
         }

@@ -435,9 +435,9 @@ impl IncrementDriver<'_> {
         let mut force = vec![0.0; problem.displacements()];
         loading.force(from, &mut force);
         let mu = self.friction_at(from);
-        let left = -excess(problem, &mu, &force, p_n[0], motion);
+        let reserve = -excess(problem, &mu, &force, p_n[0], motion);
         let excess = excess(problem, &self.stage.mu, &self.stage.force, p_n[1], motion);
-        if left > 0.0 && excess > 0.0 { left / (left + excess) } else { 0.5 }
+        if reserve > 0.0 && excess > 0.0 { reserve / (reserve + excess) } else { 0.5 }
     }
 
     /// Returns the coefficients of friction at a time.

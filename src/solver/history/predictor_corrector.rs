@@ -141,10 +141,10 @@ impl IncrementSolver for PredictorCorrectorMethod {
         let mut of_yielding = |z: &[f64]| task.error_of_yielding_nodes(&forces.unpacked(z, &scaling), &before);
         let formulation = self.formulation.as_mut();
         let mut outcome = self.method.solve(formulation, linear, &mut self.z, &mut of_yielding, observe)?;
-        let left = self.most.saturating_sub(outcome.iterations);
+        let iterations_left = self.most.saturating_sub(outcome.iterations);
         let unfinished = self.end.formulation.has_dependent_nodes() || error(&self.z)? > tolerance;
-        if left > 0 && outcome.stop != Termination::Interrupted && unfinished {
-            let mut ended = self.end.solve(task, linear, &self.z, left, observe)?;
+        if iterations_left > 0 && outcome.stop != Termination::Interrupted && unfinished {
+            let mut ended = self.end.solve(task, linear, &self.z, iterations_left, observe)?;
             if ended.stop == Termination::Converged {
                 self.z[..self.end.z.len()].copy_from_slice(&self.end.z);
                 self.z_lo.copy_from_slice(self.end.bn.z_lo());

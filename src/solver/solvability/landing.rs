@@ -74,8 +74,8 @@ pub(crate) fn landing(
         let step = apart.iter().filter_map(|&i| Some(distance[i] / nearing(i)?)).min_by(f64::total_cmp)?;
         for (i, distance) in distance.iter_mut().enumerate() {
             if let Some(nearing) = nearing(i) {
-                let left = *distance - step * nearing;
-                *distance = if left <= NEGLIGIBLE * *distance { left.min(0.0) } else { left };
+                let remaining = *distance - step * nearing;
+                *distance = if remaining <= NEGLIGIBLE * *distance { remaining.min(0.0) } else { remaining };
             } else {
                 *distance -= step * dot(&cones[i].normal, &y).min(0.0);
             }

@@ -73,13 +73,13 @@ impl LockedOutputDir {
     }
 
     /// Returns the checkpoint of an earlier run, if any, with the identification of the run, its linear solver, and its verdict if it has finished.
-    pub fn left(&self) -> Option<(&Checkpoint, &Provenance, &KeptSolver, Option<Status>)> {
+    pub fn earlier_run(&self) -> Option<(&Checkpoint, &Provenance, &KeptSolver, Option<Status>)> {
         let (checkpoint, earlier) = self.earlier.as_ref()?;
         Some((checkpoint, &earlier.origin, &earlier.linear, earlier.ended))
     }
 
     /// Returns the first file of a finished run that is missing, or shorter than the run has left it.
-    pub fn lacks(&self) -> Option<&str> {
+    pub fn missing_file(&self) -> Option<&str> {
         let (_, earlier) = self.earlier.as_ref().filter(|(_, kept)| kept.ended.is_some())?;
         let is_short = |name: &str, length| self.folder.directory.length(name).map_or(true, |now| now < length);
         // The page can be made again, by other versions too.

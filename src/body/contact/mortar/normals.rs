@@ -42,8 +42,8 @@ pub(super) fn nodal(
             let at = place(mesh, mesh.nodes[node]);
             return Err(MortarFault::NormalsCancel { boundary: boundary.name.clone(), at });
         }
-        let left = still.get(&node).into_iter().flatten().copied().fold(normal, across);
-        Ok((node, if norm(left) > SYMMETRIC { unit(left) } else { normal }))
+        let projected = still.get(&node).into_iter().flatten().copied().fold(normal, across);
+        Ok((node, if norm(projected) > SYMMETRIC { unit(projected) } else { normal }))
     };
     sums(mesh, boundary).into_iter().map(normal).collect()
 }

@@ -112,7 +112,7 @@ impl Bdiff {
         let dofs = self.data.contact_displacements();
         let product = |a: &[f64], b: &[f64]| dofs.iter().map(|&k| a[k] * b[k]).sum::<f64>();
         let mut dz = vec![0.0; z.len()];
-        let mut left: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
+        let mut residual: Vec<f64> = to.iter().zip(z).map(|(to, z)| to - z).collect();
         let mut orthogonal = Vec::<Vec<f64>>::new();
         for weights in self.unconstrained_modes() {
             let mut motion = self.data.motion(&weights, z.len());
@@ -120,9 +120,9 @@ impl Bdiff {
                 let projection = product(&motion, other) / product(other, other);
                 motion.iter_mut().zip(other).for_each(|(u, other)| *u -= projection * other);
             }
-            let step = product(&left, &motion) / product(&motion, &motion);
+            let step = product(&residual, &motion) / product(&motion, &motion);
             dz.iter_mut().zip(&motion).for_each(|(dz, u)| *dz += step * u);
-            left.iter_mut().zip(&motion).for_each(|(left, u)| *left -= step * u);
+            residual.iter_mut().zip(&motion).for_each(|(left, u)| *left -= step * u);
             orthogonal.push(motion);
         }
         let step = if self.stays(z, &dz, 1.0) { 1.0 } else { self.bisect(z, &dz, 0.0, 1.0).0 };

@@ -29,7 +29,7 @@ impl Left {
             let damaged = "cannot be read: it is damaged, or of another build";
             return Err(Failure::input(format!("the checkpoint in {path} {damaged}"), ANEW));
         }
-        let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = lock.left() else {
+        let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = lock.earlier_run() else {
             if args.results.resume && !args.printed.json {
                 say!("resume       no earlier run was found: a new run begins");
             }
@@ -53,7 +53,7 @@ impl Left {
             return Err(Failure::input(format!("the run in {path} is a different one: {what}"), ANEW));
         };
         if let Some(status) = ended {
-            if let Some(name) = lock.lacks() {
+            if let Some(name) = lock.missing_file() {
                 let message = format!("the run in {path} is complete, but {name} is missing or was shortened");
                 return Err(Failure::input(message, "run without --resume to start a new run"));
             }
