@@ -8,10 +8,9 @@ pub mod fem;
 pub mod mesh;
 pub(crate) mod model;
 pub use contact::{
-    ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Hole, Mortar,
-    MortarFault, MortarOptions, MortarRow, NodeObstacle, Obstacle, ObstacleError, ObstacleMotion, Passed, Place,
-    PlacedObstacle, Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
-    Unclear,
+    ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Mortar,
+    MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place, PlacedObstacle,
+    Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
 };
 pub use description::{
     Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Held, Kinks, Load, Opposite,

@@ -29,4 +29,4 @@ pub use newton::{
 };
 pub use problem::{ContactProblem, Increment, Parts, ProblemError, State};
 pub use solvability::{Conditions, rigid_equilibrium, rigid_equilibrium_with};
-pub use uniqueness::{CriticalFriction, NeutralMotion, critical_friction};
+pub use uniqueness::{CriticalFriction, critical_friction};

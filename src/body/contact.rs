@@ -13,7 +13,7 @@ mod tree;
 mod triangles;
 
 pub(crate) use assignment::outsides;
-pub use assignment::{NodeObstacle, Unclear, holes_in_front_of, meetings, nearest};
+pub(crate) use assignment::{NodeObstacle, Unclear, holes_in_front_of, meetings, nearest};
 pub use description::{GapDirection, Obstacle, Place, Rotation, Shape};
 pub use gap_table::{GapTable, TableError};
 pub use kinematics::{
@@ -25,4 +25,4 @@ pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;
 pub use obstacle::{Facing, ObstacleError, PlacedObstacle};
 pub use passage::{Passages, Passed};
-pub use triangles::{Hole, SurfaceError};
+pub use triangles::SurfaceError;

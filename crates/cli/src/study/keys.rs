@@ -116,7 +116,7 @@ mod tests {
         ] {
             assert_eq!(super::kind(name), Some(kind), "{name}");
         }
-        assert_eq!(children("friction"), ["friction_work", "mesh_error", "time_error"]);
+        assert_eq!(children("friction"), ["friction_work", "time_error"]);
         assert!(children("boundaries").contains(&"force"));
         assert!(children("").contains(&"totals"));
     }

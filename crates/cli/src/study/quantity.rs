@@ -487,7 +487,7 @@ mod tests {
     fn what_is_no_quantity_is_told_with_what_exists() {
         for (text, words) in [
             ("friction_work", "did you mean cycle.friction_work or friction.friction_work or "),
-            ("friction.work", "the keys of friction are friction_work, mesh_error, time_error"),
+            ("friction.work", "the keys of friction are friction_work, time_error"),
             ("largest_presure.pressure", "did you mean largest_pressure.pressure or largest_pressure.mean_pressure?"),
             ("boundaries.force[0]", "did you mean boundaries[0].force[0]"),
             ("boundaries[x].force[0]", "is no key of a report"),

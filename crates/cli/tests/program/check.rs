@@ -139,7 +139,7 @@ fn friction_beyond_what_surfaces_have_is_questioned() {
             let output = stickslip(&[command, &scene]);
             assert_exit(&output, 0);
             stdout(&output).contains(
-                "warning      the friction of `bottom` is up to 40, but few surfaces exceed 2: is it in percent?",
+                "warning      large-friction: the friction of `bottom` is up to 40, but few surfaces exceed 2: is it in percent?",
             )
         })
     };

@@ -31,7 +31,7 @@ fn the_verdict_is_where_the_eye_is() {
         head.lines().skip(1).all(|line| line.starts_with("warning ") || line.starts_with("             ")),
         "{head}"
     );
-    assert!(results.lines().count() <= 7, "{results}");
+    assert!(results.lines().count() <= 8, "{results}");
     assert!(stdout(&long).contains("\nlaws         error ") && !stdout(&quiet).contains("laws "));
 }
 

@@ -200,7 +200,7 @@ fn mesh_files_are_named() {
     assert!(words.contains("relative to the scene file (--meshes a.msh,a-fine.msh)"), "{words}");
     let output = stickslip(&converge(&file, "force", &["--meshes", "a.msh"]));
     assert_exit(&output, 1);
-    assert!(stdout(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -3 -clscale 0.5"));
+    assert!(stdout(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -2 -clscale 0.5"));
 }
 
 /// Returns a unit square of `n` by `n` quadrilaterals, of eight nodes if `second`.
