@@ -11,8 +11,7 @@
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make pure   all tests of the program without any C library
 # make campaign the tests that take minutes each (half an hour)
-# make mumps  the program with MUMPS, and its tests (installs MUMPS, METIS and Open MPI)
-# make petsc  the program with multigrid, and its tests (installs PETSc and Open MPI)
+# make petsc  the program with PETSc, and its tests (installs PETSc, MUMPS, METIS and Open MPI)
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  files, lines and types, by room and crate
@@ -29,7 +28,7 @@
 PACKAGES = libsuitesparse-dev libopenblas-dev libclang-dev
 SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
-.PHONY: demo test pure campaign packages mumps petsc python python-module python-docs wheel wheel-test sdist sdist-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
+.PHONY: demo test pure campaign packages petsc python python-module python-docs wheel wheel-test sdist sdist-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
 demo: deps
 	cargo run --release -- run data/scenes/block.toml --out results/block
@@ -47,7 +46,7 @@ ABOVE = $(UPPER) -p stickslip-studies -p stickslip-fuzz
 test: deps
 	cargo test -p stickslip --lib --config profile.test.package.stickslip.opt-level=0
 	$(BLAS) cargo test $(ABOVE) --lib
-	$(BLAS) cargo test --workspace --exclude stickslip-python --bins --example outside --test '*'
+	$(BLAS) cargo test --workspace --exclude stickslip-python --exclude stickslip-distributed --bins --example outside --test '*'
 	cargo test $(CRATES) --doc
 
 # The headers of SuiteSparse are hidden.
@@ -56,33 +55,21 @@ pure:
 	cargo test $(CRATES) --no-default-features --features faer
 
 campaign: deps
-	$(BLAS) cargo test --release --workspace --exclude stickslip-python --bins --test '*' -- --ignored
+	$(BLAS) cargo test --release --workspace --exclude stickslip-python --exclude stickslip-distributed --bins --test '*' -- --ignored
 
-MUMPS_PACKAGES = libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev
-
-mumps: deps
-	@dpkg -s $(MUMPS_PACKAGES) >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
-		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(MUMPS_PACKAGES); }
-	cargo build --release --features mumps
-	$(BLAS) cargo test -p stickslip --features mumps --lib --config profile.test.package.stickslip.opt-level=0 -- mumps
-	$(BLAS) cargo test -p stickslip-cli --features mumps --test large
-	cargo clippy --features mumps --all-targets --quiet -- -D warnings
-	cargo clippy --no-default-features --features faer,mumps --quiet -- -D warnings
-
-PETSC_PACKAGES = petsc-dev libmetis-dev openmpi-bin libopenmpi-dev pkg-config
+PETSC_PACKAGES = petsc-dev libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev pkg-config
 
 petsc: deps
-	@pkg-config --exists petsc || { $(SUDO) apt-get update -q && \
+	@dpkg -s $(PETSC_PACKAGES) >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
 		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PETSC_PACKAGES); }
-	cargo build --release --features petsc
-	$(BLAS) cargo test -p stickslip --features petsc --lib --config profile.test.package.stickslip.opt-level=0 -- multigrid petsc forcing
-	$(BLAS) cargo test -p stickslip-cli --features petsc --test large
-	cargo clippy --features petsc --all-targets --quiet -- -D warnings
+	cargo build --release -p stickslip-cli --features petsc
+	$(BLAS) cargo test -p stickslip-distributed -p stickslip-cli --features stickslip-cli/petsc --lib --test large
+	cargo clippy -p stickslip-distributed -p stickslip-cli --features stickslip-cli/petsc --all-targets --quiet -- -D warnings
 
 # The packages of every build and every check, for `.ci/run`.
 packages: deps
-	@dpkg -s $(MUMPS_PACKAGES) $(PETSC_PACKAGES) valgrind >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
-		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(MUMPS_PACKAGES) $(PETSC_PACKAGES) valgrind; }
+	@dpkg -s $(PETSC_PACKAGES) valgrind >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \
+		$(SUDO) env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends $(PETSC_PACKAGES) valgrind; }
 
 PYTHON = target/python/bin/python
 PYTHON_WHEELS ?= python3.10 python3.11 python3.12 python3.13

@@ -13,7 +13,7 @@ use std::sync::mpsc::{Sender, channel};
 
 use common::Rows;
 use stickslip::algebra::Pattern;
-use stickslip::algebra::linear::{FactorInfo, Form, LinearError, LinearSolver, Multigrid, SparseLu};
+use stickslip::algebra::linear::{FactorInfo, Grid, LinearError, LinearSolver, SparseLu};
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip::run::{Run, Sink, grid};
 use stickslip::scene::Scene;
@@ -160,9 +160,8 @@ fn main() {
         let run = Run::new(&scene).unwrap();
         let interior = scene.solver.method.increments().is_interior();
         let solver = |multigrid: bool| -> Box<dyn LinearSolver> {
-            let form = if interior { Form::Oblique } else { Form::Symmetric };
             match grid(run.model()).filter(|_| multigrid) {
-                Some(grid) => Box::new(Multigrid::new(grid, form)),
+                Some(grid) => stickslip_distributed::multigrid(&run.model().problem, Grid { interior, ..grid }),
                 None => SparseLu::default().solver(),
             }
         };

@@ -28,7 +28,6 @@ mod checks;
 mod discretise;
 mod error;
 mod force_jumps;
-#[cfg(feature = "petsc")]
 mod grid;
 mod lock;
 mod need;
@@ -46,7 +45,6 @@ pub use applicable::{Unsuited, unsuited};
 use discretise::{as_chosen, for_run};
 pub use discretise::{discretise, expect_exact_path, tightening};
 pub use error::RunError;
-#[cfg(feature = "petsc")]
 pub use grid::grid;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
@@ -294,10 +292,7 @@ impl<'a> Run<'a> {
                 SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
             LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.initial_set.factor.clone()),
-            #[cfg(feature = "petsc")]
             LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments()),
-            #[cfg(not(feature = "petsc"))]
-            LinearAlgebra::Multigrid => SystemSolver::from(LinearAlgebra::Multigrid),
         }
     }
 

@@ -3,7 +3,7 @@
 //! A direct solver has three steps: [`LinearSolver::analyze`] once for a pattern, [`LinearSolver::factorize`] when the
 //! values have changed, [`LinearSolver::solve`] for each right-hand side. An iterative solver prepares in `factorize` and
 //! iterates in `solve`. [`RefinedSolver`] wraps a backend: it counts, measures time, refines the solution and computes its
-//! backward error, in the same way for every backend; only an iterative solver of inexact directions is not refined. `unsafe` is used in this module only.
+//! backward error, in the same way for every backend; only an iterative solver of inexact directions is not refined. In the library `unsafe` is used in this module only.
 
 use std::sync::Arc;
 
@@ -17,12 +17,12 @@ mod cholmod;
 pub(crate) mod cost;
 mod dense;
 mod direct;
-#[cfg(feature = "mpi")]
-mod distributed;
+mod engine;
 #[cfg(feature = "faer")]
 mod faer;
+mod grid;
 mod kernel;
-#[cfg(any(feature = "umfpack", feature = "mpi"))]
+#[cfg(feature = "umfpack")]
 mod ordering;
 mod partial;
 pub mod process;
@@ -45,12 +45,9 @@ pub use cholesky::{Cholesky, Reduced};
 pub(crate) use dense::times_transposed;
 pub use dense::{Dense, Lu};
 pub use direct::{RefinedSolver, Statistics};
-#[cfg(feature = "mumps")]
-pub use distributed::Mumps;
-#[cfg(feature = "petsc")]
-pub use distributed::{Form, Grid, GridContact, Multigrid, share};
-#[cfg(feature = "mpi")]
-pub use distributed::{RankRows, help, ranks};
+pub(crate) use engine::engine;
+pub use engine::{Engine, RankUse, add_engine};
+pub use grid::{Grid, GridContact};
 pub(crate) use kernel::null_space_of;
 pub use partial::Partial;
 pub(crate) use refine::componentwise_error;
@@ -146,15 +143,6 @@ pub struct Iterated {
     pub iterations: usize,
     /// The direct solver that took over, if the iterations stalled.
     pub instead: Option<SparseLu>,
-}
-
-/// The resources used by one MPI process.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct RankUse {
-    /// The CPU time, s.
-    pub cpu_seconds: f64,
-    /// The peak resident memory, bytes.
-    pub peak_rss_bytes: u64,
 }
 
 /// An error of a linear solver, after which the run cannot continue with this matrix.

@@ -1,8 +1,8 @@
 //! The linear solvers available for a model. Multigrid is one of them if its iterations do not grow with the size of
 //! the model.
 
-use crate::algebra::linear::Statistics;
 use crate::algebra::linear::built_in::ranks;
+use crate::algebra::linear::{Statistics, engine};
 use crate::algebra::vector::{minus, norm};
 use crate::base::memory::Budget;
 use crate::body::model::Model;
@@ -20,7 +20,7 @@ const MAX_STRETCHED: f64 = 8.0;
 /// The reason why multigrid is not chosen for a model.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unsuited {
-    /// The cargo feature is off.
+    /// The program has added none.
     #[error("this build has no PETSc")]
     NotBuiltIn,
     /// Factors of plane bodies are small anyway.
@@ -62,23 +62,15 @@ pub fn unsuited(model: &Model, method: HistoryMethod) -> Option<Unsuited> {
     if stretched > MAX_STRETCHED {
         return Some(Unsuited::Stretched(stretched));
     }
-    built_in(model)
+    match engine() {
+        None => Some(Unsuited::NotBuiltIn),
+        Some(_) => super::grid::grid(model).is_none().then_some(Unsuited::Rows),
+    }
 }
 
 /// Returns the reason why multigrid fell back to another solver, if it did and the reason is known.
 pub(super) fn fell_back(linear: &Statistics, model: &Model, method: HistoryMethod) -> Option<String> {
     linear.instead.and_then(|_| unsuited(model, method)).map(|why| why.to_string())
-}
-
-#[cfg(feature = "petsc")]
-fn built_in(model: &Model) -> Option<Unsuited> {
-    super::grid::grid(model).is_none().then_some(Unsuited::Rows)
-}
-
-#[cfg(not(feature = "petsc"))]
-#[allow(clippy::unnecessary_wraps, reason = "the other build has one to return")]
-fn built_in(_: &Model) -> Option<Unsuited> {
-    Some(Unsuited::NotBuiltIn)
 }
 
 /// Returns the largest ratio of the longest to the shortest distance between corners of an element.

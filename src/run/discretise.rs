@@ -6,6 +6,7 @@ use super::RunError;
 use super::lock::locked;
 use super::need::has_room;
 use super::sharing::share;
+use crate::algebra::linear::Engine;
 use crate::algebra::linear::built_in::ranks;
 use crate::base::memory::Budget;
 use crate::base::timeline::equal_increments;
@@ -50,7 +51,7 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
 /// Discretises `scene` with the stiffness that its solver needs.
 pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
     match share(&scene.solver) {
-        Some(share) => shared(&*locked(scene, tightening)?, share),
+        Some(engine) => shared(&*locked(scene, tightening)?, engine),
         None => discretise(scene),
     }
 }
@@ -64,23 +65,23 @@ pub(super) fn as_chosen<'a>(
     chosen: LinearAlgebra,
 ) -> Result<Cow<'a, Model>, RunError> {
     match (scene, share(&SolverChoice { linear: Some(chosen), ..solver })) {
-        (Some(scene), Some(share)) if solver.linear.is_none() => {
+        (Some(scene), Some(engine)) if solver.linear.is_none() => {
             // The model may have prescribed shortenings in place of locks.
             let mut scene = scene.clone();
             scene.description = model.description().clone();
             drop(model);
-            Ok(Cow::Owned(shared(&scene, share)?))
+            Ok(Cow::Owned(shared(&scene, engine)?))
         }
         _ => Ok(model),
     }
 }
 
-/// Discretises `scene` with a stiffness distributed by `share` if possible, so that each process has a part of the
+/// Discretises `scene` with a stiffness distributed by `engine` if possible, so that each process has a part of the
 /// nodes.
-pub(super) fn shared(scene: &Scene, share: Share<'_>) -> Result<Model, RunError> {
+pub(super) fn shared(scene: &Scene, engine: &dyn Engine) -> Result<Model, RunError> {
     let per_rank = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(per_rank), Budget::of_process())?;
-    suitable(scene, model_of(scene, Some(share))?)
+    suitable(scene, model_of(scene, Some(&|body, near| engine.share(body, near)))?)
 }
 
 /// Builds the model of `scene`. Errors of its description name file and line.

@@ -1,6 +1,6 @@
 //! The positions of a model's unknowns, for multigrid.
 
-use crate::algebra::linear::{Form, Grid, GridContact, LinearSolver, SparseLu};
+use crate::algebra::linear::{Grid, GridContact, SparseLu, engine};
 use crate::algebra::vector::{axis, cross, minus};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
@@ -9,9 +9,10 @@ use crate::solver::problem::OwnBasis;
 
 /// Returns the multigrid system of `model`, or one with a direct solver if there is no grid.
 pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
+    let Some(engine) = engine() else { return LinearAlgebra::Multigrid.into() };
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
-    let form = if method.is_interior() { Form::Oblique } else { Form::Symmetric };
-    SystemSolver::from(Box::new(model.problem.stiffness().multigrid(grid, form)) as Box<dyn LinearSolver>)
+    let grid = Grid { interior: method.is_interior(), ..grid };
+    SystemSolver::from(engine.iterative(model.problem.stiffness(), grid))
 }
 
 /// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, a node has
@@ -52,6 +53,7 @@ pub fn grid(model: &Model) -> Option<Grid> {
     let turns = if dimension == 2 { 2..3 } else { 0..3 };
     let rotations = turns.map(|c| dofs.unknowns(|node| cross(axis(c), minus(mesh.nodes[node], centre))));
     Some(Grid {
+        interior: false,
         dimension,
         nodes: mesh.nodes.len(),
         displacements,

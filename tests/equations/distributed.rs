@@ -85,15 +85,6 @@ impl Distributed for Elsewhere {
     fn gathered(&self) -> Result<Symmetric, LinearError> {
         self.answer().cloned()
     }
-
-    #[cfg(feature = "petsc")]
-    fn multigrid(
-        &self,
-        grid: stickslip::algebra::linear::Grid,
-        form: stickslip::algebra::linear::Form,
-    ) -> stickslip::algebra::linear::Multigrid {
-        stickslip::algebra::linear::Multigrid::new(grid, form)
-    }
 }
 
 /// Solves a block whose stiffness answers as often as this, or one that is assembled.

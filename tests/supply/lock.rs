@@ -5,9 +5,10 @@ use serde::Deserialize;
 pub const REGISTRY: &str = "registry+https://github.com/rust-lang/crates.io-index";
 
 /// The packages of this workspace, which come from nowhere.
-const OWN: [&str; 7] = [
+const OWN: [&str; 8] = [
     "stickslip",
     "stickslip-cli",
+    "stickslip-distributed",
     "stickslip-exchange",
     "stickslip-fuzz",
     "stickslip-output",

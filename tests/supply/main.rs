@@ -110,9 +110,9 @@ fn licences_that_bind_more_are_found() {
 fn every_c_library_that_is_linked_is_named_with_its_licence() {
     let [suitesparse, ranks, mumps, petsc] = [
         include_str!("../../ffi/suitesparse.rs"),
-        include_str!("../../ffi/ranks.rs"),
-        include_str!("../../ffi/mumps.rs"),
-        include_str!("../../ffi/petsc.rs"),
+        include_str!("../../crates/distributed/ffi/ranks.rs"),
+        include_str!("../../crates/distributed/ffi/mumps.rs"),
+        include_str!("../../crates/distributed/ffi/petsc.rs"),
     ];
     let names =
         [suitesparse, ranks, mumps].into_iter().flat_map(|script| script.split("rustc-link-lib=dylib=").skip(1));

@@ -17,7 +17,7 @@ mod memory;
 mod output;
 mod page;
 mod progress;
-#[cfg(feature = "mpi")]
+#[cfg(feature = "petsc")]
 mod ranks;
 mod run;
 mod schema;
@@ -222,7 +222,7 @@ impl Cli {
     fn run(&self) -> Result<ExitStatus, Failure> {
         let threads = threads::count(self.threads);
         threads::start(threads);
-        #[cfg(feature = "mpi")]
+        #[cfg(feature = "petsc")]
         match (&self.command, ranks::lead()?) {
             (Command::Compare(_), count) => ranks::refuse("compare", count)?,
             (Command::Converge(_), count) => ranks::refuse("converge", count)?,
@@ -309,7 +309,9 @@ fn take_better_kernel(invocation: &Invocation) {
 pub fn main(invocation: Invocation) -> ExitStatus {
     #[cfg(feature = "blas")]
     take_better_kernel(&invocation);
-    #[cfg(feature = "mpi")]
+    #[cfg(feature = "petsc")]
+    stickslip_distributed::add();
+    #[cfg(feature = "petsc")]
     if ranks::may_help()
         && let Some(code) = ranks::help()
     {
@@ -325,9 +327,9 @@ pub fn main(invocation: Invocation) -> ExitStatus {
         Err(error) => {
             let error = with_command(error);
             // The other processes of the launcher wait until rank 0 has started and ended MPI.
-            #[cfg(feature = "mpi")]
+            #[cfg(feature = "petsc")]
             if ranks::lead().is_ok() {
-                stickslip::algebra::linear::ranks::end();
+                stickslip_distributed::ranks::end();
             }
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
@@ -353,8 +355,8 @@ pub fn main(invocation: Invocation) -> ExitStatus {
             ExitStatus::MachineFailure
         }
     };
-    #[cfg(feature = "mpi")]
-    stickslip::algebra::linear::ranks::end();
+    #[cfg(feature = "petsc")]
+    stickslip_distributed::ranks::end();
     // If standard output failed, the reader has not received the result, whatever it was.
     if output::failed() { ExitStatus::MachineFailure } else { code }
 }

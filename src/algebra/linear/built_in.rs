@@ -1,6 +1,6 @@
 //! The sparse backends by name. A backend whose cargo feature is off returns an error at the analysis.
 
-use super::{LinearSolver, RankUse};
+use super::{Engine, LinearSolver, RankUse, engine};
 
 /// Creates UMFPACK, with `in_best_order` for many factorisations in the plane.
 pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
@@ -18,38 +18,17 @@ pub fn umfpack(in_best_order: bool) -> Box<dyn LinearSolver> {
 
 /// Creates MUMPS.
 pub fn mumps() -> Box<dyn LinearSolver> {
-    #[cfg(feature = "mumps")]
-    {
-        Box::new(super::Mumps::default())
-    }
-    #[cfg(not(feature = "mumps"))]
-    {
-        Box::new(absent::Absent("MUMPS"))
-    }
+    engine().map_or_else(|| Box::new(absent::Absent("MUMPS")) as Box<dyn LinearSolver>, Engine::direct)
 }
 
-/// Returns the resources used by each MPI process; empty if there is only one.
+/// Returns the resources used by each process; empty if there is only one.
 pub(crate) fn ranks_used() -> Vec<RankUse> {
-    #[cfg(feature = "mpi")]
-    {
-        super::ranks::used()
-    }
-    #[cfg(not(feature = "mpi"))]
-    {
-        Vec::new()
-    }
+    engine().map(Engine::used).unwrap_or_default()
 }
 
-/// Returns the number of MPI processes that share the work of MUMPS and multigrid.
+/// Returns the number of processes that share the work of MUMPS and multigrid.
 pub fn ranks() -> usize {
-    #[cfg(feature = "mpi")]
-    {
-        super::ranks::count()
-    }
-    #[cfg(not(feature = "mpi"))]
-    {
-        1
-    }
+    engine().map_or(1, Engine::ranks)
 }
 
 /// Creates faer's sparse LU.

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{LinearSolver, Partial, built_in};
+use super::{LinearSolver, Partial, built_in, engine};
 
 /// A direct solver of the uncondensed system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -46,11 +46,11 @@ impl Default for SparseCholesky {
 }
 
 impl SparseLu {
-    /// Returns `true` if this build includes it, which depends on the cargo features.
+    /// Returns `true` if this build includes it, which depends on the cargo features, or the program has added it.
     pub fn is_built_in(self) -> bool {
         match self {
             SparseLu::Umfpack => cfg!(feature = "umfpack"),
-            SparseLu::Mumps => cfg!(feature = "mumps"),
+            SparseLu::Mumps => engine().is_some(),
             SparseLu::Faer => cfg!(feature = "faer"),
             SparseLu::Partial => SparseCholesky::default().is_built_in(),
         }

@@ -32,20 +32,13 @@ use libloading::os::unix::Library;
 #[cfg(feature = "blas")]
 use blas::{loaded, room};
 
-/// Returns the resources used by this process so far.
-#[cfg(feature = "mpi")]
-pub(super) fn used() -> super::RankUse {
-    // SAFETY: C's structure of numbers, which the call fills.
-    let used = unsafe {
-        let mut used: libc::rusage = std::mem::zeroed();
-        libc::getrusage(libc::RUSAGE_SELF, &raw mut used);
-        used
-    };
-    let seconds = |time: libc::timeval| time.tv_sec as f64 + 1e-6 * time.tv_usec as f64;
-    super::RankUse {
-        cpu_seconds: seconds(used.ru_utime) + seconds(used.ru_stime),
-        peak_rss_bytes: 1024 * used.ru_maxrss as u64,
-    }
+/// Makes sure that the BLAS has its buffer for this thread before its first product there.
+///
+/// # Errors
+/// [`LinearError::OutOfMemory`](super::LinearError) if the system refuses the memory.
+#[cfg(feature = "blas")]
+pub fn prepare_blas() -> Result<(), super::LinearError> {
+    room::prepare()
 }
 
 /// Sets the number of BLAS threads, and of OpenMP threads for this thread. Returns the name of the library that

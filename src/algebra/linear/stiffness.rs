@@ -1,12 +1,11 @@
 //! The stiffness of a body: assembled in this process, or distributed over several.
 
+use std::any::Any;
 use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
 use super::LinearError;
-#[cfg(feature = "petsc")]
-use super::{Form, Grid, Multigrid};
 use crate::algebra::sparse::{Csc, DoubleDouble, Symmetric};
 
 /// The stiffness of a body.
@@ -20,7 +19,7 @@ pub enum Stiffness {
 
 /// A stiffness whose rows several processes have, by nodes. This process knows few of the entries. All processes take
 /// part in products, which fail if one of them has failed.
-pub trait Distributed: fmt::Debug + Send + Sync {
+pub trait Distributed: Any + fmt::Debug + Send + Sync {
     /// Returns the order.
     fn order(&self) -> usize;
 
@@ -62,10 +61,6 @@ pub trait Distributed: fmt::Debug + Send + Sync {
     /// # Errors
     /// As [`Distributed::mul`].
     fn gathered(&self) -> Result<Symmetric, LinearError>;
-
-    /// Creates the iterative solver of systems with this stiffness, of which each process has a part.
-    #[cfg(feature = "petsc")]
-    fn multigrid(&self, grid: Grid, form: Form) -> Multigrid;
 }
 
 impl From<Symmetric> for Stiffness {
@@ -166,15 +161,6 @@ impl Stiffness {
                 Ok(())
             }
             Stiffness::Distributed(k) => k.add_beyond(1.0, x, rest, sums),
-        }
-    }
-
-    /// Creates the iterative solver of systems with this stiffness.
-    #[cfg(feature = "petsc")]
-    pub fn multigrid(&self, grid: Grid, form: Form) -> Multigrid {
-        match self {
-            Stiffness::Assembled(_) => Multigrid::new(grid, form),
-            Stiffness::Distributed(k) => k.multigrid(grid, form),
         }
     }
 }

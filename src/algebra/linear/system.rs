@@ -51,9 +51,8 @@ impl SystemMatrix {
         Ok(SystemMatrix { leading: Some(Leading::Dense(leading)), rest, displacements })
     }
 
-    /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or distributed. It
-    /// is for this crate's own matrices.
-    pub(crate) fn of(stiffness: &Stiffness, factor: f64, pattern: Pattern) -> Self {
+    /// Creates the zero matrix with this pattern, plus `factor` times the stiffness if that is dense or distributed.
+    pub fn of(stiffness: &Stiffness, factor: f64, pattern: Pattern) -> Self {
         let leading = match stiffness {
             Stiffness::Assembled(k) => k.dense().map(|dense| Leading::Dense(dense.scaled(factor))),
             Stiffness::Distributed(k) => Some(Leading::Distributed(Arc::clone(k), factor)),
@@ -90,18 +89,11 @@ impl SystemMatrix {
     }
 
     /// Returns the distributed stiffness and its factor in the block `S`, if the block is one.
-    #[cfg(feature = "petsc")]
-    pub(super) fn distributed(&self) -> Option<(&dyn Distributed, f64)> {
+    pub fn distributed(&self) -> Option<(&dyn Distributed, f64)> {
         match &self.leading {
             Some(Leading::Distributed(stiffness, factor)) => Some((&**stiffness, *factor)),
             Some(Leading::Dense(_)) | None => None,
         }
-    }
-
-    /// Returns `true` if there is a block `S`.
-    #[cfg(feature = "petsc")]
-    pub(super) fn has_leading(&self) -> bool {
-        self.leading.is_some()
     }
 
     /// Returns `R`, all entries outside the block or added to it.
@@ -110,7 +102,7 @@ impl SystemMatrix {
     }
 
     /// Returns `R` for changing it.
-    pub(crate) fn rest_mut(&mut self) -> &mut Csc {
+    pub fn rest_mut(&mut self) -> &mut Csc {
         &mut self.rest
     }
 

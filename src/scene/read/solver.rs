@@ -56,9 +56,8 @@ fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>,
     };
     let help = match linear {
         _ if !whole.is_built_in() => BUILD_IT.to_string(),
-        LinearAlgebra::Multigrid => format!("use \"{whole}\" or \"condensed\", or compile with the feature petsc"),
-        LinearAlgebra::Whole(SparseLu::Mumps) => {
-            format!("use \"{whole}\" or \"condensed\", or compile with the feature mumps")
+        LinearAlgebra::Multigrid | LinearAlgebra::Whole(SparseLu::Mumps) => {
+            format!("use \"{whole}\" or \"condensed\", or compile with the feature petsc")
         }
         _ => format!("use \"{whole}\" or \"condensed\""),
     };

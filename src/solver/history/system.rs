@@ -1,7 +1,7 @@
 //! The linear system of an iteration: whole, or condensed to the contact displacements.
 
 use crate::algebra::linear::{
-    Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics, built_in,
+    Cholesky, FactorInfo, LinearSolver, RefinedSolver, SparseCholesky, SparseLu, Statistics, built_in, engine,
 };
 use crate::solver::condensation::Condensation;
 use serde::{Serialize, Serializer};
@@ -47,12 +47,13 @@ impl LinearAlgebra {
         matches!(self, LinearAlgebra::Condensed(_))
     }
 
-    /// Returns `true` if this build includes the solver, which depends on the cargo features.
+    /// Returns `true` if this build includes the solver, which depends on the cargo features, or the program has added
+    /// it.
     pub fn is_built_in(self) -> bool {
         match self {
             LinearAlgebra::Whole(lu) => lu.is_built_in(),
             LinearAlgebra::Condensed(cholesky) => cholesky.is_built_in(),
-            LinearAlgebra::Multigrid => cfg!(feature = "petsc"),
+            LinearAlgebra::Multigrid => engine().is_some(),
         }
     }
 }
@@ -121,7 +122,7 @@ impl Default for SystemSolver {
 
 impl From<LinearAlgebra> for SystemSolver {
     /// Creates the system of a choice. Multigrid needs the positions of the unknowns: for a model see
-    /// [`crate::run::Run`]; otherwise use `linear::Multigrid`.
+    /// [`crate::run::Run`].
     fn from(choice: LinearAlgebra) -> Self {
         match choice {
             LinearAlgebra::Whole(lu) => SystemSolver::from(lu.solver()),

@@ -75,7 +75,6 @@ impl OwnBasis {
     }
 
     /// Returns the displacements that change, each with its coefficients for others: `u_e = ũ_e + Σ c ũ_a`.
-    #[cfg(feature = "petsc")]
     pub(crate) fn changes(&self) -> &[(usize, Vec<(usize, f64)>)] {
         &self.changed
     }

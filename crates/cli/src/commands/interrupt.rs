@@ -42,7 +42,7 @@ impl Observer for UntilInterrupted {
 }
 
 /// Ignores these signals from now on.
-#[cfg(feature = "mpi")]
+#[cfg(feature = "petsc")]
 pub(super) fn disregard() {
     for signal in SIGNALS {
         let _ = flag::register(signal, Arc::default());

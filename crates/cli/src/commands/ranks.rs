@@ -6,8 +6,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use clap::FromArgMatches;
 use stickslip::algebra::NodeRows;
-use stickslip::algebra::linear::{self, LinearError, ranks};
+use stickslip::algebra::linear::LinearError;
 use stickslip::solver::history::LinearAlgebra;
+use stickslip_distributed::ranks;
 
 use super::{Cli, Command, ExitStatus, Failure, interrupt, memory, output, program, threads};
 
@@ -65,7 +66,7 @@ pub(super) fn help() -> Option<ExitStatus> {
             }
         }
     };
-    match linear::help(&mut body) {
+    match stickslip_distributed::help(&mut body) {
         Ok(()) => Some(ExitStatus::Success),
         Err(error) => failed(&error),
     }

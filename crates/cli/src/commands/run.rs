@@ -23,10 +23,10 @@ use stickslip::solver::history::Status;
 use stickslip_output::{KeptSolver, LockedOutputDir, Pace, ResultFolder};
 use watcher::Watcher;
 
-#[cfg(feature = "mpi")]
+#[cfg(feature = "petsc")]
 use stickslip::body::Body;
 
-#[cfg(feature = "mpi")]
+#[cfg(feature = "petsc")]
 use super::ranks;
 
 /// Options for the results and for resuming a run.
@@ -78,7 +78,7 @@ impl RunArgs {
     }
 
     /// Returns the data from which a rank assembles its rows, if the assembly can be shared.
-    #[cfg(feature = "mpi")]
+    #[cfg(feature = "petsc")]
     pub(super) fn body(&self) -> Result<Option<Body>, String> {
         let scene = self.scene.read().map_err(|error| error.to_string())?;
         Body::of(&scene.description).map_err(|error| error.to_string())
@@ -92,8 +92,8 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     if let Some(number) = args.increments {
         scene = scene.with(&[Override::value("time.increments", i64::from(number))])?;
     }
-    #[cfg(feature = "mpi")]
-    ranks::check(stickslip::algebra::linear::ranks::count(), scene.solver.linear)?;
+    #[cfg(feature = "petsc")]
+    ranks::check(stickslip_distributed::ranks::count(), scene.solver.linear)?;
     if args.is_verbose() {
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");

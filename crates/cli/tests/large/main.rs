@@ -1,7 +1,7 @@
-//! Tests of the features `mumps` and `petsc`, which lead to the same results by other solvers. Neither is on by
-//! default: see `make mumps` and `make petsc`.
+//! Tests of the feature `petsc`, which leads to the same results by other solvers. It is not on by default: see
+//! `make petsc`.
 
-#![cfg(any(feature = "mumps", feature = "petsc"))]
+#![cfg(feature = "petsc")]
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 #[path = "../../../../tests/common/mod.rs"]
@@ -13,14 +13,12 @@ mod whole;
 
 #[cfg(target_os = "linux")]
 mod job;
-#[cfg(feature = "petsc")]
 mod multigrid;
-#[cfg(feature = "mumps")]
 mod mumps;
-#[cfg(all(feature = "petsc", target_os = "linux"))]
+#[cfg(target_os = "linux")]
 mod pieces;
 #[cfg(target_os = "linux")]
 mod ranks;
 mod scenes;
-#[cfg(all(feature = "petsc", target_os = "linux"))]
+#[cfg(target_os = "linux")]
 mod shared;

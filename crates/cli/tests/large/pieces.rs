@@ -121,7 +121,6 @@ fn where_one_process_has_the_stiffness_fields_are_one_file() {
     let small = ["mesh.elements=[5,5,5]", "time.increments=1", "output.times=[2.0]"];
     let cases: &[(&str, &str, &[&str], &str)] = &[
         ("two_blocks", "multigrid", &["time.increments=1", "output.fields=true"], "fields_0003.vtu"),
-        #[cfg(feature = "mumps")]
         ("cube", "mumps", &small, "fields_0002.vtu"),
     ];
     for (name, solver, changes, last) in cases {

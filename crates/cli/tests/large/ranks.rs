@@ -17,12 +17,7 @@ use crate::whole::assert_whole;
 
 /// The solvers that ranks share, each with the relative difference of forces allowed between runs, and the iterations
 /// of an increment.
-const SHARED: &[(&str, f64, u64)] = &[
-    #[cfg(feature = "mumps")]
-    ("mumps", 1e-11, 0),
-    #[cfg(feature = "petsc")]
-    ("multigrid", 1e-10, 2),
-];
+const SHARED: &[(&str, f64, u64)] = &[("mumps", 1e-11, 0), ("multigrid", 1e-10, 2)];
 
 /// A run that takes some seconds: a cube in many increments.
 const LONG: [&str; 11] = [
@@ -171,7 +166,6 @@ fn auto_takes_what_ranks_can_share() {
 
 /// The stiffness for the choice of the solver is dropped before the rows are assembled. If rank 0 kept all of it, that
 /// would take 260 MB.
-#[cfg(feature = "petsc")]
 #[test]
 fn auto_shares_a_stiffness_for_multigrid() {
     let cube = path("cube");

@@ -39,6 +39,7 @@ pub fn path(name: &str) -> String {
 
 /// Returns the report of a scene with these overrides, solved by `linear`.
 pub fn report(name: &str, overrides: &[&str], linear: &str) -> Value {
+    stickslip_distributed::add();
     let linear = format!("solver.linear={linear:?}");
     let overrides: Vec<Override> =
         overrides.iter().chain(&[INCREMENTS, &linear]).map(|change| change.parse().unwrap()).collect();
