@@ -11,7 +11,7 @@
 # make wheel-test the same, installed and run in fresh environments of the Pythons at hand
 # make pure   all tests of the program without any C library
 # make campaign the tests that take minutes each (half an hour)
-# make petsc  the program with PETSc, and its tests (installs PETSc, MUMPS, METIS and Open MPI)
+# make petsc  the program with PETSc, and its tests (installs PETSc and Open MPI)
 # make bench  the benchmarks (minutes)
 # make instructions the instructions of each kernel, counted by callgrind
 # make lines  files, lines and types, by room and crate
@@ -57,7 +57,7 @@ pure:
 campaign: deps
 	$(BLAS) cargo test --release --workspace --exclude stickslip-python --exclude stickslip-distributed --bins --test '*' -- --ignored
 
-PETSC_PACKAGES = petsc-dev libmumps-ptscotch-dev libmetis-dev openmpi-bin libopenmpi-dev pkg-config
+PETSC_PACKAGES = petsc-dev openmpi-bin libopenmpi-dev pkg-config
 
 petsc: deps
 	@dpkg -s $(PETSC_PACKAGES) >/dev/null 2>&1 || { $(SUDO) apt-get update -q && \

@@ -161,7 +161,9 @@ fn main() {
         let interior = scene.solver.method.increments().is_interior();
         let solver = |multigrid: bool| -> Box<dyn LinearSolver> {
             match grid(run.model()).filter(|_| multigrid) {
-                Some(grid) => stickslip_distributed::multigrid(&run.model().problem, Grid { interior, ..grid }),
+                Some(grid) => {
+                    stickslip_distributed::multigrid(run.model().problem.stiffness(), Grid { interior, ..grid })
+                }
                 None => SparseLu::default().solver(),
             }
         };

@@ -292,7 +292,11 @@ impl<'a> Run<'a> {
                 SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
             }
             LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.initial_set.factor.clone()),
-            LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments()),
+            LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments(), None),
+            LinearAlgebra::Petsc => {
+                let options = self.scene.map_or("", |scene| &scene.petsc);
+                grid::system(&self.model, self.solver.method.increments(), Some(options))
+            }
         }
     }
 

@@ -4,8 +4,6 @@
 
 #[path = "../../ffi/bindings.rs"]
 mod bindings;
-#[path = "ffi/mumps.rs"]
-mod mumps;
 #[path = "ffi/petsc.rs"]
 mod petsc;
 #[path = "ffi/ranks.rs"]
@@ -14,7 +12,6 @@ mod ranks;
 fn main() {
     println!("cargo:rerun-if-changed=build.rs");
     println!("cargo:rerun-if-changed=../../ffi/bindings.rs");
-    mumps::mumps();
     petsc::petsc();
     ranks::ranks();
 }

@@ -219,6 +219,18 @@ pub enum LinearError {
         /// The loaded version.
         loaded: [i32; 3],
     },
+    /// A solver that the program has added failed.
+    #[error("{engine} failed in {step}: {reason}")]
+    Engine {
+        /// The name of the solver.
+        engine: &'static str,
+        /// The step that failed.
+        step: &'static str,
+        /// The reason, in its words.
+        reason: String,
+        /// What helps.
+        help: &'static str,
+    },
     /// Another status of a backend.
     #[error("{backend} failed in {step} with status {status}")]
     Backend {

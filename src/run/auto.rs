@@ -287,7 +287,7 @@ impl Estimates {
         match linear {
             LinearAlgebra::Whole(lu) => cost::sparse(&self.sizes, &self.work, lu),
             LinearAlgebra::Condensed(_) => cost::condensed(&self.sizes, &self.work),
-            LinearAlgebra::Multigrid => cost::multigrid(self.displacements, &self.work),
+            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => cost::multigrid(self.displacements, &self.work),
         }
     }
 

@@ -79,6 +79,7 @@ fn remedy(error: &history::Error) -> &'static str {
         Linear(LinearError::OutOfMemory { .. }) => {
             "use a coarser mesh, raise the memory limit, or use a machine with more memory"
         }
+        Linear(LinearError::Engine { help, .. }) => help,
         Linear(LinearError::Version { .. }) => "until then take the solver faer, which needs no SuiteSparse",
         Problem(_) | NoWeight { .. } => "correct the array",
         Checkpoint(_) => "resume with the scene and options of the original run, or start a new run",

@@ -7,12 +7,12 @@ use crate::solver::formulation::Layout;
 use crate::solver::history::{LinearAlgebra, Method, SystemSolver};
 use crate::solver::problem::OwnBasis;
 
-/// Returns the multigrid system of `model`, or one with a direct solver if there is no grid.
-pub(super) fn system(model: &Model, method: Method) -> SystemSolver {
+/// Returns the multigrid system of `model`, with `options` if the solver is PETSc's, or one with a direct solver if there is no grid.
+pub(super) fn system(model: &Model, method: Method, options: Option<&str>) -> SystemSolver {
     let Some(engine) = engine() else { return LinearAlgebra::Multigrid.into() };
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
     let grid = Grid { interior: method.is_interior(), ..grid };
-    SystemSolver::from(engine.iterative(model.problem.stiffness(), grid))
+    SystemSolver::from(engine.iterative(model.problem.stiffness(), grid, options))
 }
 
 /// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, a node has

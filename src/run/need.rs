@@ -51,7 +51,7 @@ impl MemoryEstimate {
     /// When memory is short for the symbolic analysis.
     pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
         let stiffness = match linear {
-            LinearAlgebra::Multigrid => FactorInfo::default(),
+            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => FactorInfo::default(),
             LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => {
                 Cholesky::predict(model.problem.stiffness().assembled()?.as_ref())?
             }
@@ -80,7 +80,7 @@ impl MemoryEstimate {
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
         let factors = match linear {
             LinearAlgebra::Whole(lu) => cost::sparse(&sizes, &work, lu),
-            LinearAlgebra::Multigrid => cost::multigrid(problem.displacements(), &work),
+            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => cost::multigrid(problem.displacements(), &work),
             LinearAlgebra::Condensed(_) => cost::condensed(&sizes, &work),
         };
         let ranks = if linear.is_shared() { ranks() } else { 1 };
@@ -99,7 +99,7 @@ impl MemoryEstimate {
     pub fn most_displacements(&self, model: &Model, linear: LinearAlgebra, bytes: u64) -> f64 {
         let n = model.problem.displacements() as f64;
         let fill = |finer: f64| match (linear, model.mesh.dimension) {
-            (LinearAlgebra::Multigrid, _) => finer,
+            (LinearAlgebra::Multigrid | LinearAlgebra::Petsc, _) => finer,
             (_, 2) => finer * (n * finer).ln().max(1.0) / n.ln().max(1.0),
             _ => finer.powf(4.0 / 3.0),
         };
@@ -131,7 +131,7 @@ impl MemoryEstimate {
             let need = Self::with(model, initial_set, linear, 0, stiffness);
             need.factors + (need.body - used).max(0.0)
         };
-        let (what, stiffness) = if linear == LinearAlgebra::Multigrid {
+        let (what, stiffness) = if linear.iterates() {
             ("the hierarchies of this scene", FactorInfo::default())
         } else {
             let entries = MAX_FILL * model.problem.stiffness().lower_entries();
@@ -168,7 +168,7 @@ impl MemoryEstimate {
 fn body(model: &Model, linear: LinearAlgebra) -> f64 {
     let stiffness = model.problem.stiffness();
     let bytes = match linear {
-        LinearAlgebra::Multigrid => {
+        LinearAlgebra::Multigrid | LinearAlgebra::Petsc => {
             let each = if stiffness.distributed().is_some() || model.has_rows() { ROWS_BYTES } else { PIECE_BYTES };
             each * stiffness.order() as f64
         }

@@ -15,9 +15,7 @@ use crate::run::report::{
     BodyRecord, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath, Explanation,
     ForceJump, Moment, PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
 };
-use crate::solver::history::{
-    self, HistoryOutcome, HistorySettings, JumpSolver, LinearAlgebra, Observer, Status, SystemSolver,
-};
+use crate::solver::history::{self, HistoryOutcome, HistorySettings, JumpSolver, Observer, Status, SystemSolver};
 use crate::solver::influence::influence;
 use crate::solver::laws::KktScales;
 use crate::solver::uniqueness::{self, CriticalFriction};
@@ -126,7 +124,7 @@ impl Run<'_> {
         let blas = Blas::loaded();
         warnings.extend(blas.as_ref().and_then(Warning::of_blas));
         let unsuited = fell_back(&outcome.linear, model, method);
-        let asked = self.choice.linear == LinearAlgebra::Multigrid;
+        let asked = self.choice.linear.iterates();
         warnings.extend(Warning::of_multigrid(&outcome.linear, asked, &linear, unsuited.as_deref()));
         warnings.extend(Warning::of_ranks(model, self.choice.linear, totals.ranks.len()));
         RunReport {

@@ -6,6 +6,6 @@ use crate::solver::history::{LinearAlgebra, SolverChoice};
 
 /// Returns the engine that distributes the stiffness of a model solved by `solver`; `None` if it needs no rows.
 pub(super) fn share(solver: &SolverChoice) -> Option<&'static dyn Engine> {
-    let wants_rows = solver.linear == Some(LinearAlgebra::Multigrid) && !solver.method.is_exact_path();
+    let wants_rows = solver.linear.is_some_and(LinearAlgebra::iterates) && !solver.method.is_exact_path();
     engine().filter(|_| wants_rows)
 }

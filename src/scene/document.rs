@@ -331,6 +331,7 @@ pub(super) struct SolverTable {
     pub method: MethodName,
     pub setting: Option<Setting>,
     pub linear: Option<Linear>,
+    pub petsc: Option<String>,
     pub start: Option<Start>,
     pub partition: Option<Partition>,
     pub r_factor: Option<f64>,
@@ -378,8 +379,18 @@ impl<'de> Deserialize<'de> for Linear {
 }
 
 /// The words of `solver.linear`.
-const LINEAR: [&str; 9] =
-    ["umfpack", "mumps", "faer", "partial", "condensed", "condensed-cholmod", "condensed-faer", "multigrid", "auto"];
+const LINEAR: [&str; 10] = [
+    "umfpack",
+    "mumps",
+    "faer",
+    "partial",
+    "condensed",
+    "condensed-cholmod",
+    "condensed-faer",
+    "multigrid",
+    "petsc",
+    "auto",
+];
 
 impl Document {
     pub(super) fn parse(source: &Source) -> Result<Self, SceneError> {

@@ -78,11 +78,12 @@ fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
     description.times = time.all();
     let touches = !description.contacts.is_empty();
     let solver = solver::solver(&document.solver, touches).map_err(|fault| reader.at(fault))?;
+    let petsc = solver::petsc(&document.solver, &solver).map_err(|fault| reader.at(fault))?;
     let one_tangent_key = solver::one_tangent_key(solver.method.increments());
     let output = output::output(document.output, &time, reader).map_err(|fault| reader.at(fault))?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, description, time, solver, one_tangent_key, output, source })
+    Ok(Scene { title, description, time, solver, one_tangent_key, petsc, output, source })
 }
 
 /// Reads a table of a scene: names its keys in errors, and converts its numbers to SI.

@@ -108,19 +108,16 @@ fn licences_that_bind_more_are_found() {
 
 #[test]
 fn every_c_library_that_is_linked_is_named_with_its_licence() {
-    let [suitesparse, ranks, mumps, petsc] = [
+    let [suitesparse, ranks, petsc] = [
         include_str!("../../ffi/suitesparse.rs"),
         include_str!("../../crates/distributed/ffi/ranks.rs"),
-        include_str!("../../crates/distributed/ffi/mumps.rs"),
         include_str!("../../crates/distributed/ffi/petsc.rs"),
     ];
-    let names =
-        [suitesparse, ranks, mumps].into_iter().flat_map(|script| script.split("rustc-link-lib=dylib=").skip(1));
+    let names = [suitesparse, ranks].into_iter().flat_map(|script| script.split("rustc-link-lib=dylib=").skip(1));
     let names = names.map(|rest| rest.split('"').next().unwrap().to_string()).filter(|name| !name.starts_with('{'));
     let mut linked: BTreeSet<_> = names.collect();
     // What these are called is told by the installation.
-    for (script, mark, name) in [(mumps, "\"dmumps", "dmumps"), (ranks, "mpicc", "mpi"), (petsc, "\"petsc\"", "petsc")]
-    {
+    for (script, mark, name) in [(ranks, "mpicc", "mpi"), (petsc, "\"petsc\"", "petsc")] {
         linked.extend(script.contains(mark).then(|| name.to_string()));
     }
     let named: BTreeSet<_> = Licences::read().linked.into_iter().map(|linked| linked.library).collect();

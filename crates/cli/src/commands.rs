@@ -329,7 +329,7 @@ pub fn main(invocation: Invocation) -> ExitStatus {
             // The other processes of the launcher wait until rank 0 has started and ended MPI.
             #[cfg(feature = "petsc")]
             if ranks::lead().is_ok() {
-                stickslip_distributed::ranks::end();
+                stickslip_distributed::end();
             }
             if json && error.use_stderr() {
                 output::failure_as_json("bad-input", &error.render().to_string());
@@ -356,7 +356,7 @@ pub fn main(invocation: Invocation) -> ExitStatus {
         }
     };
     #[cfg(feature = "petsc")]
-    stickslip_distributed::ranks::end();
+    stickslip_distributed::end();
     // If standard output failed, the reader has not received the result, whatever it was.
     if output::failed() { ExitStatus::MachineFailure } else { code }
 }

@@ -5,15 +5,18 @@ use super::ranks::includes;
 use std::process::Command;
 
 /// What `petsc.rs` calls.
-const ALLOWED: [&str; 8] = [
-    "Petsc(InitializeNoArguments|OptionsSetValue|PushErrorHandler|ReturnErrorHandler|PopSignalHandler|GetVersionNumber)",
-    "PETSC_(COMM_WORLD|DETERMINE|VERSION_.*)",
-    "Mat(CreateSeqAIJWithArrays|CreateMPIAIJWithArrays|SetBlockSize|SetOption|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|Destroy)",
-    "Vec(CreateSeqWithArray|CreateMPIWithArray|PlaceArray|ResetArray|Destroy)",
-    "PC(Create|SetType|SetOperators|SetOptionsPrefix|SetFromOptions|SetUp|Apply|Destroy|GetFailedReason)",
-    "MatOption",
-    "PCFailedReason",
-    "PetscErrorCode",
+const ALLOWED: [&str; 11] = [
+    "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|OptionsSetValue|OptionsClear|OptionsInsertString|OptionsHasName|PushErrorHandler|ObjectReference|GetVersionNumber|MallocA)",
+    "PETSC_(COMM_WORLD|DETERMINE|DEFAULT|VERSION_.*)",
+    "Mat(Create|SetSizes|SetBlockSizes?|SetType|SetOption|Destroy|SetPreallocationCOO|SetValuesCOO|SetValues|ZeroEntries|GetInfo)",
+    "Mat(SeqAIJSetPreallocation|MPIAIJSetPreallocation|AssemblyBegin|AssemblyEnd|MatMatMult|MatMult|AXPY|PtAP|ProductClear|CreateMPIAdj)",
+    "Mat(SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|MumpsSetIcntl|MumpsGetInfog|MumpsGetRinfog)",
+    "MatPartitioning(Create|SetAdjacency|SetFromOptions|Apply|Destroy)",
+    "Vec(Create|GetOwnershipRange|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Norm|Dot|AXPY|Normalize|Destroy)",
+    "(VecScatter(Create|Begin|End|Destroy)|IS(CreateGeneral|GetIndices|RestoreIndices|Destroy))",
+    "PC(Create|SetType|SetOperators|SetOptionsPrefix|SetFromOptions|SetUp|Destroy|Composite(SetType|AddPC))",
+    "PC(Galerkin(SetInterpolation|SetRestriction|GetKSP)|Factor(SetMatSolverType|SetUpMatSolverType|GetMatrix))",
+    "KSP(Create|SetType|SetOperators|GetPC|SetPC|SetFromOptions|SetUp|SetTolerances|Solve|GetConvergedReason|GetIterationNumber|Destroy)",
 ];
 
 /// Everything this file is for.

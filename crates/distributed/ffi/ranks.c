@@ -29,8 +29,6 @@ int mpi_shim_size(void) {
     return size;
 }
 
-int mpi_shim_world(void) { return (int)MPI_Comm_c2f(MPI_COMM_WORLD); }
-
 void mpi_shim_hand_out(int64_t *words, int n, long most) {
     /* The same call on every rank: MPI does not match a broadcast that waits with one that does not. */
     MPI_Request request;
@@ -46,14 +44,6 @@ void mpi_shim_hand_out(int64_t *words, int n, long most) {
             if (pause.tv_nsec < most)
                 pause.tv_nsec += pause.tv_nsec / 10;
         }
-}
-
-void mpi_shim_deal_numbers(const double *all, const int *counts, const int *starts, double *mine, int n) {
-    MPI_Scatterv(all, counts, starts, MPI_DOUBLE, mine, n, MPI_DOUBLE, 0, MPI_COMM_WORLD);
-}
-
-void mpi_shim_deal_integers(const int32_t *all, const int *counts, const int *starts, int32_t *mine, int n) {
-    MPI_Scatterv(all, counts, starts, MPI_INT32_T, mine, n, MPI_INT32_T, 0, MPI_COMM_WORLD);
 }
 
 void mpi_shim_collect(const double *mine, int n, double *all, const int *counts, const int *starts) {

@@ -1,4 +1,4 @@
-//! Compiles the few functions of MPI, links them and METIS, and generates their bindings.
+//! Compiles the few functions of MPI, links them, and generates their bindings.
 //!
 //! What calls MPI is compiled by the `mpicc` in the path.
 
@@ -7,7 +7,7 @@ use std::env;
 use std::path::PathBuf;
 use std::process::Command;
 
-const INSTALL: &str = "Debian, Ubuntu: apt-get install openmpi-bin libopenmpi-dev libmetis-dev";
+const INSTALL: &str = "Debian, Ubuntu: apt-get install openmpi-bin libopenmpi-dev";
 
 /// Everything this file is for.
 pub fn ranks() {
@@ -27,8 +27,7 @@ pub fn ranks() {
             println!("cargo:rustc-link-lib=dylib={library}");
         }
     }
-    println!("cargo:rustc-link-lib=dylib=metis");
-    generate("ffi/ranks.h", "ranks.rs", &[], &["mpi_shim_.*", "METIS_(NodeND|PartGraphKway)", "rstatus_et", "idx_t"]);
+    generate("ffi/ranks.h", "ranks.rs", &[], &["mpi_shim_.*"]);
 }
 
 /// Where the headers of MPI are, for those that include them.

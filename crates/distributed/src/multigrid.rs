@@ -1,192 +1,180 @@
-//! GMRES on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
+//! GMRES of PETSc on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
 //! factorisation.
 //!
-//! Contact is eliminated exactly, node by node, on a matrix `K̂` with the pattern of `K` (`node`, `stiffness`), and
-//! one cycle of algebraic multigrid on `K̂` preconditions the whole Newton system. The number of iterations is
+//! Contact is eliminated exactly, node by node, on a matrix with the pattern of `K` (`node`, `layout`), and one cycle of
+//! algebraic multigrid on it preconditions the whole Newton system (`crate::system`). The number of iterations is
 //! independent of the mesh, the contact statuses and the friction. Exceptions are nearly incompressible materials and
-//! meshes graded in two directions at once, for which a direct solver takes over.
+//! meshes graded in two directions at once, for which MUMPS takes over.
 
-mod block;
-mod form;
-mod gmres;
-mod grid;
-mod hierarchy;
+mod layout;
 mod node;
-mod numbering;
-mod piece;
-mod precondition;
-mod product;
-mod rows;
-mod shared;
 mod small;
-mod stiffness;
 
 use std::any::Any;
 use std::sync::Arc;
 
-use super::petsc::Amg;
-use super::ranks;
-use crate::expect_length;
-use block::Border;
-use form::Form;
-use hierarchy::{Cycle, Hierarchy, MakeCycle};
-use node::Eliminated;
-pub(super) use piece::Piece;
-use precondition::{Elimination, Work, kernel};
-use product::Product;
-use shared::SharedStiffness;
-pub(crate) use shared::share;
 use stickslip::algebra::linear::{
     FactorInfo, Grid, Iterated, LinearError, LinearSolver, SparseLu, Stiffness, SystemMatrix,
 };
 use stickslip::algebra::{Csc, Pattern};
-use stiffness::BlockLayout;
+
+use crate::expect_length;
+use crate::handle::Handle;
+use crate::petsc::Found;
+use crate::ranks;
+use crate::stiffness::SharedStiffness;
+use crate::system::{By, Change, Contact, Entry, Outcome, Setup, Values};
+use layout::Layout;
+use node::Eliminated;
 
 /// The number of iterations beyond which a direct solver is faster.
 const MAX_ITERATIONS: usize = 60;
 /// The default relative residual; refinement does the rest.
 const TIGHT: f64 = 1e-10;
+/// A cycle is reused if the share of contact nodes with more or fewer constrained directions is below this.
+const CHANGED: f64 = 0.1;
+/// A cycle is not reused if it takes this many times its initial iterations per digit.
+const WORN: f64 = 1.6;
+/// The number of iterations that take as long as making a cycle.
+const SET_UP: f64 = 20.0;
 
-/// The iterative solver GMRES with algebraic multigrid.
+/// Options of PETSc for all systems, before those of the user.
+const OPTIONS: &str = "-ksp_type fgmres -contact_pc_type gamg -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded";
+/// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
+const SYMMETRIC: [&str; 2] =
+    ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
+const UNSYMMETRIC: &str = "-contact_mg_levels_pc_type jacobi";
+
+/// The iterative solver.
 pub(crate) struct Multigrid {
     grid: Grid,
-    form: Form,
-    /// The stiffness in its systems, if ranks share it.
-    shared: Option<SharedStiffness>,
-    matrix: Option<SystemMatrix>,
-    layout: Option<BlockLayout>,
-    /// The workspace of products.
-    sums: Vec<Vec<f64>>,
-    factored: Option<Factored>,
-    /// One hierarchy for the matrix with all contact nodes clamped, which recurs in every increment, and one for the
-    /// others.
-    hierarchies: Vec<Hierarchy>,
-    make_cycle: MakeCycle,
-    instead: Option<Box<dyn LinearSolver>>,
+    /// The options of the user, if there are any. Then nothing but them says how to solve.
+    options: Option<String>,
+    stiffness: Option<SharedStiffness>,
+    system: Option<System>,
+    /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the others.
+    cycles: Vec<Cycle>,
+    /// `true` once MUMPS has taken over.
+    gave_way: bool,
     /// The iterations since the last query.
     iterated: Iterated,
 }
 
-/// A matrix with its hierarchy.
-struct Factored {
-    nodes: Vec<Eliminated>,
-    border: Vec<Border>,
-    /// The index of the hierarchy in use.
-    hierarchy: usize,
-    work: Work,
+/// The systems of one pattern.
+struct System {
+    handle: Handle,
+    layout: Layout,
+    order: usize,
+    pattern: Arc<Pattern>,
+    /// The contact nodes of the present matrix, and its cycle.
+    present: Option<(Vec<Eliminated>, Contact, bool)>,
+}
+
+/// A cycle with the contact for which it was made.
+struct Cycle {
+    held: Vec<usize>,
+    /// `true` if all contact nodes are clamped, as in the response to a change of the loads without slip or opening.
+    all_held: bool,
+    /// The iterations per digit of its first matrix.
+    rate: Option<f64>,
+    worn: bool,
+    /// `true` if the present matrix is not its own.
+    lent: bool,
+}
+
+impl Cycle {
+    fn serves(&self, nodes: &[Eliminated]) -> bool {
+        let changed = self.held.iter().zip(nodes).filter(|(held, node)| **held != node.held).count();
+        !self.worn && changed as f64 <= CHANGED * nodes.len() as f64
+    }
+
+    /// Returns the iteration limit for a reused cycle, beyond which a new one is cheaper.
+    fn patience(&self, tolerance: f64) -> usize {
+        let digits = (-tolerance.log10()).max(1.0);
+        let rate = self.rate.filter(|_| self.lent);
+        rate.map_or(MAX_ITERATIONS, |rate| ((rate * digits + SET_UP).ceil() as usize).min(MAX_ITERATIONS))
+    }
+
+    /// Records the number of iterations and the digits gained.
+    fn took(&mut self, iterations: usize, tolerance: f64) {
+        let rate = iterations as f64 / (-tolerance.log10()).max(1.0);
+        let first = *self.rate.get_or_insert(rate);
+        self.worn |= rate > WORN * first;
+    }
 }
 
 impl Multigrid {
-    /// Creates a solver for systems whose unknowns have the positions in `grid`.
-    pub fn new(grid: Grid, form: Form) -> Self {
+    /// Creates a solver for systems with this stiffness and grid, with `options` of PETSc's.
+    pub(crate) fn new(stiffness: &Stiffness, grid: Grid, options: Option<&str>) -> Self {
+        let shared = stiffness.distributed().and_then(|k| (k as &dyn Any).downcast_ref::<SharedStiffness>());
         Multigrid {
             grid,
-            form,
-            shared: None,
-            matrix: None,
-            layout: None,
-            sums: Vec::new(),
-            factored: None,
-            hierarchies: Vec::new(),
-            make_cycle: |rows, motions, bounds| Ok(Box::new(Amg::new(rows, motions, bounds)?)),
-            instead: None,
+            options: options.map(str::to_string),
+            stiffness: shared.cloned(),
+            system: None,
+            cycles: Vec::new(),
+            gave_way: false,
             iterated: Iterated::default(),
         }
     }
 
-    /// Creates a solver for systems with this stiffness.
-    pub(crate) fn of(stiffness: &Stiffness, grid: Grid) -> Self {
-        let form = if grid.interior { Form::Oblique } else { Form::Symmetric };
-        let shared = stiffness.distributed().and_then(|k| (k as &dyn Any).downcast_ref::<SharedStiffness>());
-        Multigrid { shared: shared.cloned(), ..Self::new(grid, form) }
+    /// Returns the shared stiffness, if it is that of `a`.
+    fn shared(&self, a: &SystemMatrix) -> Option<&SharedStiffness> {
+        self.stiffness.as_ref().filter(|_| a.distributed().is_some())
     }
 
-    /// Returns `true` if the stiffness of `a` is a block that must be converted to compressed columns.
+    /// Returns `true` if a block of `a` must be converted to compressed columns.
     fn must_be_compressed(&self, a: &SystemMatrix) -> bool {
-        has_leading(a) && (self.shared.is_none() || a.distributed().is_none())
+        (a.leading().is_some() || a.distributed().is_some()) && self.shared(a).is_none()
     }
 
-    /// Returns `true` if the present matrix uses the hierarchy of another one.
-    fn borrows(&self) -> bool {
-        self.factored.as_ref().is_some_and(|factored| self.hierarchies[factored.hierarchy].lent)
-    }
-
-    fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<gmres::Found, LinearError> {
-        let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
-            return Err(LinearError::Order { missing: "analyze" });
-        };
-        let Some(Factored { nodes, border, hierarchy, work }) = &mut self.factored else {
-            return Err(LinearError::Order { missing: "factorize" });
-        };
-        let elimination = Elimination { grid: &self.grid, layout, nodes, border, form: self.form };
-        let hierarchy = &mut self.hierarchies[*hierarchy];
-        let limit = hierarchy.patience(tolerance).min(MAX_ITERATIONS);
-        let approximately = |r: &[f64], z: &mut [f64]| elimination.precondition(hierarchy, work, r, z);
-        let found = if has_leading(matrix) {
-            let times = |x: &[f64], y: &mut [f64]| {
-                y.copy_from_slice(&matrix.times(x)?);
-                Ok(())
-            };
-            gmres::solve(b, x, tolerance, limit, times, approximately)?
-        } else {
-            let mut product = Product::new(matrix.pattern(), matrix.rest().values(), &mut self.sums);
-            let product = |x: &[f64], y: &mut [f64]| {
-                product.times(x, y);
-                Ok(())
-            };
-            gmres::solve(b, x, tolerance, limit, product, approximately)?
-        };
-        self.iterated.iterations += found.iterations;
-        hierarchy.took(found.iterations, found.residual);
-        Ok(found)
-    }
-}
-
-impl Multigrid {
-    /// Eliminates contact from the present matrix, and selects or builds a hierarchy.
-    fn prepare(&mut self) -> Result<FactorInfo, LinearError> {
-        let (Some(matrix), Some(layout)) = (&self.matrix, &self.layout) else {
-            return Err(LinearError::Order { missing: "analyze" });
-        };
-        self.factored = None;
-        if let Some(instead) = &mut self.instead {
-            return instead.factorize_system(matrix);
+    /// Passes the `values` of the present matrix on, with its cycle or a new one.
+    fn prepare(&mut self, values: Values<'_>) -> Result<Outcome, LinearError> {
+        let System { handle, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        if self.gave_way {
+            return handle.factorize(&Change { values, by: By::Factors })?.checked();
         }
-        let nodes = layout.nodes(matrix, self.form);
+        let Some((nodes, contact, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         // In the oblique form the swept terms differ from matrix to matrix.
-        let serves = |hierarchy: &Hierarchy| self.form == Form::Symmetric && hierarchy.serves(&nodes);
-        let (hierarchy, border) = if let Some(serving) = self.hierarchies.iter().position(serves) {
-            self.hierarchies[serving].lend();
-            (serving, layout.border(matrix, &nodes))
-        } else {
-            // The old hierarchy is dropped before a new one is built.
-            let all_held = hierarchy::all_held(&nodes);
-            self.hierarchies.retain(|hierarchy| hierarchy.all_held != all_held);
-            let kernel = kernel(&self.grid, layout, &nodes);
-            let (cycle, border) = if let Some(shared) = self.shared.as_ref().filter(|_| has_leading(matrix)) {
-                let cycle = shared.cycle(&layout.state(matrix, &nodes, self.form), &kernel)?;
-                (Box::new(cycle) as Box<dyn Cycle>, layout.border(matrix, &nodes))
-            } else {
-                let (rows, border) = layout.stiffness(matrix, &nodes, self.form)?;
-                ((self.make_cycle)(rows, kernel, &layout.bounds())?, border)
-            };
-            self.hierarchies.push(Hierarchy::new(cycle, &nodes));
-            (self.hierarchies.len() - 1, border)
-        };
-        let entries = layout.entries();
-        self.factored = Some(Factored { nodes, border, hierarchy, work: Work::default() });
-        Ok(FactorInfo { entries, flops: 0.0, pivot_ratio: 1.0, peak_bytes: 0.0 })
+        let unsymmetric = self.grid.interior;
+        let serving = self.cycles.iter_mut().find(|cycle| !unsymmetric && cycle.serves(nodes));
+        let (fresh, cycle) = (serving.is_none(), serving.as_ref().map_or(*all_held, |cycle| cycle.all_held));
+        *all_held = cycle;
+        match serving {
+            Some(serving) => serving.lent = true,
+            None => self.cycles.retain(|other| other.all_held != cycle),
+        }
+        let by = By::Options { contact, cycle: cycle.into(), fresh, unsymmetric };
+        let outcome = handle.factorize(&Change { values, by })?;
+        if fresh {
+            let held = nodes.iter().map(|node| node.held).collect();
+            self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, lent: false });
+        }
+        Ok(outcome)
     }
-}
 
-/// Returns `true` if there is a block besides the compressed columns.
-fn has_leading(a: &SystemMatrix) -> bool {
-    a.leading().is_some() || a.distributed().is_some()
+    /// Solves with the present cycle. Returns PETSc's end, and `true` if a new cycle might help.
+    fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<(Found, bool), LinearError> {
+        let System { handle, order, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        expect_length("right-hand side", *order, b.len())?;
+        expect_length("solution", *order, x.len())?;
+        if self.gave_way {
+            return Ok((handle.solve(tolerance, None, b, x)?, false));
+        }
+        let Some((_, _, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
+        let cycle = self.cycles.iter_mut().find(|cycle| cycle.all_held == *all_held).ok_or(crate::NOT_FACTORIZED)?;
+        let limit = cycle.patience(tolerance);
+        let limit = (self.options.is_none() || cycle.lent).then_some(limit);
+        let found = handle.solve(tolerance, limit, b, x)?;
+        self.iterated.iterations += found.iterations;
+        cycle.took(found.iterations, if found.reason > 0 { tolerance } else { 0.1 });
+        Ok((found, cycle.lent))
+    }
 }
 
 impl LinearSolver for Multigrid {
     fn name(&self) -> &'static str {
-        "multigrid"
+        if self.options.is_some() { "petsc" } else { "multigrid" }
     }
 
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
@@ -197,31 +185,66 @@ impl LinearSolver for Multigrid {
         if self.must_be_compressed(a) {
             return self.analyze(a.to_csc()?.pattern());
         }
-        (self.factored, self.instead) = (None, None);
-        self.hierarchies.clear();
-        let shared = self.shared.as_ref().filter(|_| has_leading(a));
-        let layout = BlockLayout::new(&self.grid, a, shared)?;
-        self.layout = Some(if shared.is_some() { layout } else { layout.shared_among(ranks::count())? });
-        self.matrix = Some(a.clone());
+        (self.system, self.gave_way) = (None, false);
+        self.cycles.clear();
+        let ranks = ranks::start()?.1;
+        let shared = self.shared(a);
+        let changed = shared.map_or(0, |_| self.grid.changed.len());
+        expect_length("changed displacements of a shared stiffness", 0, changed)?;
+        let layout = Layout::new(&self.grid, a.order(), shared.map(|shared| &**shared.numbering()), ranks)?;
+        let smoother = if self.grid.interior { UNSYMMETRIC } else { SYMMETRIC[usize::from(ranks > 1)] };
+        let setup = Setup {
+            dimension: layout.dimension,
+            options: [OPTIONS, smoother, self.options.as_deref().unwrap_or("")].join(" "),
+            nodes: layout.nodes.clone(),
+            rows: layout.rows.clone(),
+            places: &layout.places,
+            motions: layout.motions(&self.grid),
+            entries: shared.is_none().then(|| layout.entries(a.rest().entries())),
+        };
+        let handle = Handle::new(shared.map(SharedStiffness::parts), setup)?;
+        let pattern = Arc::clone(a.pattern());
+        self.system = Some(System { handle, layout, order: a.order(), pattern, present: None });
         Ok(())
     }
 
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
-        let Some(matrix) = &mut self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
-        expect_length("values", matrix.pattern().len(), values.len())?;
-        matrix.rest_mut().values_mut().copy_from_slice(values);
-        self.prepare()
+        let Some(System { pattern, .. }) = &self.system else { return Err(crate::NOT_ANALYZED) };
+        expect_length("values", pattern.len(), values.len())?;
+        let a = Csc::new(Arc::clone(pattern), values.to_vec()).map_err(|_| LinearError::PatternChanged)?;
+        self.factorize_system(&SystemMatrix::from(a))
     }
 
     fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
         if self.must_be_compressed(a) {
-            return self.factorize(a.to_csc()?.values());
+            let whole = SystemMatrix::from(a.to_csc()?.into_owned());
+            return self.factorize_system(&whole);
         }
-        self.factorize(a.rest().values())
+        let oblique = self.grid.interior;
+        let factor = self.shared(a).and(a.distributed()).map(|(_, factor)| factor);
+        let System { layout, order, pattern, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        expect_length("columns of the matrix", *order, a.order())?;
+        expect_length("values", pattern.len(), a.rest().values().len())?;
+        let nodes = layout.nodes(a, oblique);
+        let all_held = nodes.iter().all(|node| node.all_held);
+        *present = Some((nodes.clone(), layout.contact(&nodes), all_held));
+        let outcome = if let Some(factor) = factor {
+            let place = |at: usize| layout.places[at];
+            let rest = a.rest().entries().filter(|(_, _, value)| *value != 0.0);
+            let rest: Vec<Entry> = rest.map(|(row, column, value)| (place(row), place(column), value)).collect();
+            self.prepare(Values::Beside(factor, &rest))?
+        } else {
+            let diagonal = |dof: usize| Some(a.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0);
+            let missing = layout.missing.iter().map(|&(_, dof)| diagonal(dof));
+            let values: Vec<f64> = a.rest().values().iter().copied().chain(missing).collect();
+            self.prepare(Values::Whole(&values))?
+        };
+        let entries = outcome.entries as usize;
+        Ok(FactorInfo { entries, flops: outcome.flops, pivot_ratio: outcome.pivots, peak_bytes: outcome.peak_bytes })
     }
 
     fn iterates(&self) -> bool {
-        self.instead.is_none()
+        !self.gave_way
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
@@ -229,36 +252,44 @@ impl LinearSolver for Multigrid {
     }
 
     fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        if let Some(instead) = &mut self.instead {
-            return instead.solve(b, x);
+        let (mut found, lent) = self.iterate(b, x, tolerance)?;
+        if found.reason <= 0 && lent {
+            // The reused cycle converges too slowly; make a new one for this matrix.
+            self.cycles.clear();
+            self.prepare(Values::Same)?;
+            found = self.iterate(b, x, tolerance)?.0;
         }
-        let mut found = self.iterate(b, x, tolerance)?;
-        if found.residual > tolerance && self.borrows() {
-            // The reused hierarchy converges too slowly; build a new one for this matrix.
-            self.prepare()?;
-            found = self.iterate(b, x, tolerance)?;
-        }
-        if found.residual <= tolerance {
+        if found.reason > 0 {
             return Ok(());
         }
-        // The iterations stall, so a direct solver finishes the solve.
-        let Some(matrix) = &self.matrix else { return Err(LinearError::Order { missing: "analyze" }) };
-        self.factored = None;
-        self.hierarchies.clear();
-        // Rank 0 now needs the whole matrix; a factorisation shared among ranks adds the least memory.
-        let lu = SparseLu::for_ranks();
-        let mut direct = lu.solver();
-        direct.analyze_system(matrix)?;
-        direct.factorize_system(matrix)?;
-        direct.solve(b, x)?;
-        self.iterated.instead = Some(lu);
-        self.instead = Some(direct);
-        Ok(())
+        if self.options.is_some() || self.gave_way {
+            return Err(not_converged(found));
+        }
+        // The iterations stall, so a factorisation shared among ranks, which adds the least memory, takes over.
+        self.gave_way = true;
+        self.cycles.clear();
+        self.prepare(Values::Same)?;
+        self.iterated.instead = Some(SparseLu::Mumps);
+        let (found, _) = self.iterate(b, x, tolerance)?;
+        if found.reason > 0 { Ok(()) } else { Err(not_converged(found)) }
     }
 
     fn iterated(&mut self) -> Iterated {
         std::mem::take(&mut self.iterated)
     }
+}
+
+/// Returns the error of a solve that ended in this way, with the option that helps.
+fn not_converged(found: Found) -> LinearError {
+    let Found { iterations, reason } = found;
+    let (why, help) = match reason {
+        -3 => ("it did not converge", "allow more iterations by -ksp_max_it, or take another -pc_type"),
+        -11 => ("the preconditioner failed", "take another -pc_type, or -contact_pc_type for the multigrid in it"),
+        -9 | -4 => ("it diverged", "take another -contact_mg_levels_pc_type or -pc_type"),
+        _ => ("it broke down", "take another -ksp_type or -pc_type"),
+    };
+    let reason = format!("{why} in {iterations} iterations (reason {reason})");
+    LinearError::Engine { engine: "PETSc", step: "the solve", reason, help }
 }
 
 #[cfg(test)]

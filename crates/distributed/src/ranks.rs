@@ -3,47 +3,26 @@
 
 #![allow(unsafe_code)]
 
-mod metis;
-mod sys;
-mod world;
+pub(crate) mod shim;
 
 use std::collections::HashMap;
-use std::ffi::c_int;
 use std::mem::ManuallyDrop;
 use std::sync::{Mutex, MutexGuard};
 
-pub(super) use metis::Graph;
-pub(super) use metis::order;
-pub(super) use metis::partition;
+use stickslip::algebra::NodeRows;
+use stickslip::algebra::linear::process::prepare_blas;
 use stickslip::algebra::linear::{LinearError, RankUse};
-pub(super) use world::World;
+use stickslip::run::report::{cpu_seconds, peak_rss_bytes};
 
-/// The local part of a shared object on one rank. Its methods are collective: all ranks call them.
-pub(super) trait RankLocal: Send {
-    /// Does the work of this rank in a `job`, identified by a number of rank 0.
-    ///
-    /// # Errors
-    /// If this rank cannot continue; the others then wait in vain, so that it has to end all of them.
-    fn serve(&mut self, world: &World, job: i64) -> Result<(), LinearError>;
-}
+use crate::part::{Job, Part};
+use crate::petsc;
+use shim::World;
 
-/// The kind of a shared object.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    Mumps,
-    Amg,
-    Stiffness,
-}
+/// A function that assembles a rank's rows of the shared stiffness, or returns `None` if it cannot.
+pub type RankRows<'a> = &'a mut dyn FnMut() -> Option<Box<dyn NodeRows>>;
 
-impl Kind {
-    const ALL: &[Kind] = &[Kind::Mumps, Kind::Amg, Kind::Stiffness];
-}
-
-/// A function that creates a rank's part of a shared object.
-type Make<'a> = &'a mut dyn FnMut(Kind, &World) -> Result<Box<dyn RankLocal>, LinearError>;
-
-/// A command that rank 0 broadcasts: the action, the object, and its kind or the job.
-type Command = [i64; 3];
+/// A command that rank 0 broadcasts: the action, the part, the job or what the part is for, and the system.
+type Command = [i64; 4];
 
 const END: i64 = 0;
 const NEW: i64 = 1;
@@ -75,7 +54,7 @@ fn state() -> MutexGuard<'static, State> {
 impl State {
     /// Returns the ranks, and starts MPI if needed.
     fn running(&mut self) -> Result<&mut World, LinearError> {
-        let failed = |status: c_int| LinearError::Backend { backend: "MPI", step: "its start", status: status.into() };
+        let failed = |status: i32| LinearError::Backend { backend: "MPI", step: "its start", status: status.into() };
         if let State::Before = self {
             *self = State::Running(World::start().map_err(failed)?);
         }
@@ -103,7 +82,7 @@ impl State {
 }
 
 /// Starts MPI, unless it runs. Returns the rank of this process and the number of ranks; without a launcher 0 and 1.
-/// Ranks other than 0 must call [`help`](super::help).
+/// Ranks other than 0 must call [`help`].
 ///
 /// # Errors
 /// If MPI does not allow calls from several threads, one at a time, or has ended; [`LinearError::RankFailed`] after an
@@ -112,49 +91,49 @@ pub fn start() -> Result<(usize, usize), LinearError> {
     state().running().map(|world| (world.rank(), world.size()))
 }
 
-/// Returns `true` if `number` equals that of rank 0. All ranks must call it, before any of them calls
-/// [`help`](super::help).
+/// Returns `true` if `number` equals that of rank 0. All ranks must call it, before any of them calls [`help`].
 ///
 /// # Errors
 /// As [`start`].
 pub fn agree(number: u64) -> Result<bool, LinearError> {
     let mut state = state();
-    let world = state.running()?;
+    state.running()?;
     let mut told = [number as i64];
-    world.tell(&mut told);
+    shim::tell(&mut told);
     Ok(told == [number as i64])
 }
 
-/// Runs the worker loop of a rank other than 0 with the parts that it creates, until rank 0 ends MPI.
+/// Runs the worker loop of a rank other than 0, until rank 0 ends MPI. The `body` must be that of rank 0; without one
+/// rank 0 assembles alone.
 ///
 /// # Errors
 /// As [`start`], and if this rank cannot do its work: the process then has to end without a call to MPI, whose
 /// launcher ends the others. On rank 0 the function returns at once.
-pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
+pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
     let mut state = state();
     let world = state.running()?;
     if world.rank() == 0 {
         return Ok(());
     }
     // Parts that rank 0 has not dropped are leaked, because dropping them would be collective.
-    let mut parts: ManuallyDrop<HashMap<i64, Box<dyn RankLocal>>> = ManuallyDrop::default();
+    let mut parts: ManuallyDrop<HashMap<i64, Part>> = ManuallyDrop::default();
     loop {
-        let [word, id, what] = world.wait_for([END; 3]);
+        let mut command: Command = [END; 4];
+        shim::tell(&mut command);
+        let [word, id, what, of] = command;
         match word {
             NEW => {
-                let kind = Kind::ALL.iter().find(|kind| **kind as i64 == what);
-                if let Some(kind) = kind {
-                    parts.insert(id, make(*kind, world)?);
-                }
+                let body = if what == 0 { None } else { body() };
+                parts.insert(id, Part::helping(world, body.as_deref(), what != 0)?);
             }
             RUN => {
-                if let Some(part) = parts.get_mut(&id) {
-                    part.serve(world, what)?;
+                if let (Some(part), Some(job)) = (parts.get_mut(&id), Job::of(what)) {
+                    part.serve(world, job, of)?;
                 }
             }
             DROP => drop(parts.remove(&id)),
-            REPORT => drop(world.used()),
-            PREPARE => drop(world.prepare()),
+            REPORT => drop(use_of_each(world)),
+            PREPARE => drop(has_room(world)),
             _ => break,
         }
     }
@@ -165,14 +144,15 @@ pub(super) fn serve(make: Make<'_>) -> Result<(), LinearError> {
 /// Ends MPI, if it runs, and the other ranks with it. It must be the last call on rank 0.
 pub fn end() {
     let mut state = state();
-    if let State::Running(world) = &*state {
-        world.command([END; 3]);
+    if let State::Running(_) = &*state {
+        shim::tell(&mut [END; 4]);
         finish(&mut state);
     }
 }
 
 fn finish(state: &mut State) {
     if let State::Running(world) = std::mem::replace(state, State::Ended) {
+        petsc::end();
         world.end();
     }
 }
@@ -181,73 +161,85 @@ fn finish(state: &mut State) {
 pub(crate) fn used() -> Vec<RankUse> {
     match &*state() {
         State::Running(world) if world.size() > 1 => {
-            world.command([REPORT, 0, 0]);
-            world.used()
+            shim::tell(&mut [REPORT, 0, 0, 0]);
+            use_of_each(world)
         }
         _ => Vec::new(),
     }
 }
 
 /// Returns the number of ranks; 1 unless MPI runs.
-pub fn count() -> usize {
+pub(crate) fn count() -> usize {
     match &*state() {
         State::Running(world) => world.size(),
         State::Before | State::Broken | State::Ended => 1,
     }
 }
 
-/// A shared object with parts on all ranks, for rank 0.
-pub(super) struct Shared<P: RankLocal> {
-    id: i64,
-    part: ManuallyDrop<P>,
+fn use_of_each(world: &World) -> Vec<RankUse> {
+    let of = |[cpu_seconds, bytes]: [f64; 2]| RankUse { cpu_seconds, peak_rss_bytes: bytes as u64 };
+    world.of_each([cpu_seconds(), peak_rss_bytes().unwrap_or(0) as f64]).into_iter().map(of).collect()
 }
 
-impl<P: RankLocal> Shared<P> {
-    /// Creates a shared object; `own` creates the part of rank 0.
+/// Returns `true` on rank 0 if the BLAS of every rank has memory for its buffers.
+fn has_room(world: &World) -> bool {
+    let has_room = f64::from(prepare_blas().is_ok());
+    world.of_each([has_room]).into_iter().all(|[has_room]| has_room == 1.0)
+}
+
+/// A part on each rank, from the view of rank 0.
+pub(crate) struct Shared {
+    id: i64,
+    part: ManuallyDrop<Part>,
+}
+
+impl Shared {
+    /// Creates the parts, with the rows of `body` if there is one.
     ///
     /// # Errors
-    /// As [`start`], if memory is short for the BLAS of a rank, and as `own`.
-    pub fn new(kind: Kind, own: impl FnOnce(&World) -> Result<P, LinearError>) -> Result<Self, LinearError> {
+    /// As [`start`], and if memory is short.
+    pub(crate) fn new(body: Option<&dyn NodeRows>) -> Result<Self, LinearError> {
         let mut state = state();
         let world = state.running()?;
-        world.command([PREPARE, 0, 0]);
-        if !world.prepare() {
+        shim::tell(&mut [PREPARE, 0, 0, 0]);
+        if !has_room(world) {
             return Err(LinearError::OutOfMemory { step: "the BLAS of a rank, which takes 128 MiB for itself" });
         }
-        let id = world.next_object();
-        world.command([NEW, id, kind as i64]);
-        let part = own(world);
+        let id = world.next();
+        shim::tell(&mut [NEW, id, body.is_some().into(), 0]);
+        let part = Part::leading(world, body);
         Ok(Shared { id, part: ManuallyDrop::new(state.after(part)?) })
     }
 
-    /// Returns the part of rank 0.
-    pub fn part(&mut self) -> &mut P {
-        &mut self.part
-    }
-
-    /// Runs a `job` on all ranks; `own` does the work of rank 0.
+    /// Runs a `job` on all ranks, for the system of this number; `own` does the work of rank 0.
     ///
     /// # Errors
     /// If MPI has ended, and as `own`.
-    pub fn run<T>(
+    pub(crate) fn run<T>(
         &mut self,
-        job: i64,
-        own: impl FnOnce(&World, &mut P) -> Result<T, LinearError>,
+        job: Job,
+        of: i64,
+        own: impl FnOnce(&World, &mut Part) -> Result<T, LinearError>,
     ) -> Result<T, LinearError> {
         let mut state = state();
         let world = state.running()?;
-        world.command([RUN, self.id, job]);
+        shim::tell(&mut [RUN, self.id, job as i64, of]);
         let result = own(world, &mut self.part);
         state.after(result)
     }
+
+    /// Returns the part of rank 0.
+    pub(crate) fn part(&self) -> &Part {
+        &self.part
+    }
 }
 
-impl<P: RankLocal> Drop for Shared<P> {
+impl Drop for Shared {
     fn drop(&mut self) {
         let state = state();
         // If MPI has ended before, the part cannot be dropped.
-        if let State::Running(world) = &*state {
-            world.command([DROP, self.id, 0]);
+        if let State::Running(_) = &*state {
+            shim::tell(&mut [DROP, self.id, 0, 0]);
             // SAFETY: the part is not used afterwards.
             unsafe { ManuallyDrop::drop(&mut self.part) };
         }

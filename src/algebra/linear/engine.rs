@@ -24,8 +24,9 @@ pub trait Engine: Send + Sync {
     /// Creates the direct solver, a factorisation on all processes.
     fn direct(&self) -> Box<dyn LinearSolver>;
 
-    /// Creates the iterative solver of systems with this `stiffness` and the unknowns of `grid`.
-    fn iterative(&self, stiffness: &Stiffness, grid: Grid) -> Box<dyn LinearSolver>;
+    /// Creates the iterative solver of systems with this `stiffness` and the unknowns of `grid`. The `options` say how it
+    /// solves, in the words of the engine.
+    fn iterative(&self, stiffness: &Stiffness, grid: Grid, options: Option<&str>) -> Box<dyn LinearSolver>;
 }
 
 /// The resources used by one process.

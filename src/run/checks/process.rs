@@ -35,7 +35,7 @@ impl Warning {
         used: &str,
         why: Option<&str>,
     ) -> Option<Self> {
-        if asked && used != "multigrid" {
+        if asked && used != "multigrid" && used != "petsc" {
             let message = format!(
                 "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {used} was used \
                  instead"
@@ -55,10 +55,8 @@ impl Warning {
     /// Warns that rank 0 has the whole stiffness although several processes might share it, because one of them has
     /// another body.
     pub(in crate::run) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
-        let apart = ranks > 1
-            && linear == LinearAlgebra::Multigrid
-            && model.has_rows()
-            && model.problem.stiffness().distributed().is_none();
+        let apart =
+            ranks > 1 && linear.iterates() && model.has_rows() && model.problem.stiffness().distributed().is_none();
         let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
          the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
          and keep all files at the same paths";

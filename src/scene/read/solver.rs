@@ -30,6 +30,16 @@ pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<Sol
     Ok(SolverChoice { method, linear, max_iterations: max_iterations as usize, tolerance })
 }
 
+/// Returns the options of PETSc, which its solver alone takes.
+pub(super) fn petsc(given: &document::SolverTable, solver: &SolverChoice) -> Result<String, InputError> {
+    let Some(options) = &given.petsc else { return Ok(String::new()) };
+    if solver.linear == Some(LinearAlgebra::Petsc) && !options.contains('\0') {
+        return Ok(options.trim().to_string());
+    }
+    let help = "add solver.linear = \"petsc\", or leave the options out";
+    Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))
+}
+
 fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
@@ -52,11 +62,12 @@ fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>,
         LinearAlgebra::Whole(SparseLu::Mumps) => "MUMPS".to_string(),
         LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
         LinearAlgebra::Multigrid => "PETSc, which multigrid is of".to_string(),
+        LinearAlgebra::Petsc => "PETSc".to_string(),
         condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
     };
     let help = match linear {
         _ if !whole.is_built_in() => BUILD_IT.to_string(),
-        LinearAlgebra::Multigrid | LinearAlgebra::Whole(SparseLu::Mumps) => {
+        LinearAlgebra::Multigrid | LinearAlgebra::Petsc | LinearAlgebra::Whole(SparseLu::Mumps) => {
             format!("use \"{whole}\" or \"condensed\", or compile with the feature petsc")
         }
         _ => format!("use \"{whole}\" or \"condensed\""),

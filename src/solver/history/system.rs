@@ -24,6 +24,8 @@ pub enum LinearAlgebra {
     /// The uncondensed system by GMRES, preconditioned by algebraic multigrid including contact, without
     /// factorisation: for bodies that are too large for the others.
     Multigrid,
+    /// The uncondensed system by a solver of PETSc, as options say; without any it is that of multigrid.
+    Petsc,
 }
 
 impl LinearAlgebra {
@@ -53,7 +55,7 @@ impl LinearAlgebra {
         match self {
             LinearAlgebra::Whole(lu) => lu.is_built_in(),
             LinearAlgebra::Condensed(cholesky) => cholesky.is_built_in(),
-            LinearAlgebra::Multigrid => engine().is_some(),
+            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => engine().is_some(),
         }
     }
 }
@@ -68,7 +70,12 @@ impl Default for LinearAlgebra {
 impl LinearAlgebra {
     /// Returns `true` if several MPI processes share the work.
     pub fn is_shared(self) -> bool {
-        matches!(self, LinearAlgebra::Whole(SparseLu::Mumps) | LinearAlgebra::Multigrid)
+        matches!(self, LinearAlgebra::Whole(SparseLu::Mumps)) || self.iterates()
+    }
+
+    /// Returns `true` if the system is solved by iterations, which need the positions of the unknowns.
+    pub fn iterates(self) -> bool {
+        matches!(self, LinearAlgebra::Multigrid | LinearAlgebra::Petsc)
     }
 }
 
@@ -78,6 +85,7 @@ impl fmt::Display for LinearAlgebra {
         match self {
             LinearAlgebra::Whole(lu) => lu.fmt(f),
             LinearAlgebra::Multigrid => f.write_str("multigrid"),
+            LinearAlgebra::Petsc => f.write_str("petsc"),
             condensed if *condensed == LinearAlgebra::condensed() => f.write_str("condensed"),
             LinearAlgebra::Condensed(cholesky) => write!(f, "condensed-{cholesky}"),
         }
@@ -86,15 +94,21 @@ impl fmt::Display for LinearAlgebra {
 
 /// The error of a word that names no linear solver.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("it is one of umfpack, mumps, faer, partial, condensed, condensed-cholmod, condensed-faer and multigrid")]
+#[error(
+    "it is one of umfpack, mumps, faer, partial, condensed, condensed-cholmod, condensed-faer, multigrid and petsc"
+)]
 pub struct UnknownLinearAlgebra;
 
 impl FromStr for LinearAlgebra {
     type Err = UnknownLinearAlgebra;
 
     fn from_str(word: &str) -> Result<Self, Self::Err> {
-        let known =
-            Self::WORDS.into_iter().chain([("condensed", Self::condensed()), ("multigrid", LinearAlgebra::Multigrid)]);
+        let others = [
+            ("condensed", Self::condensed()),
+            ("multigrid", LinearAlgebra::Multigrid),
+            ("petsc", LinearAlgebra::Petsc),
+        ];
+        let known = Self::WORDS.into_iter().chain(others);
         known.into_iter().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or(UnknownLinearAlgebra)
     }
 }
@@ -127,7 +141,7 @@ impl From<LinearAlgebra> for SystemSolver {
         match choice {
             LinearAlgebra::Whole(lu) => SystemSolver::from(lu.solver()),
             LinearAlgebra::Condensed(cholesky) => SystemSolver::Condensed(cholesky.into()),
-            LinearAlgebra::Multigrid => SystemSolver::from(built_in::without_grid()),
+            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => SystemSolver::from(built_in::without_grid()),
         }
     }
 }

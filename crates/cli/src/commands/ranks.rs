@@ -8,7 +8,7 @@ use clap::FromArgMatches;
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::LinearError;
 use stickslip::solver::history::LinearAlgebra;
-use stickslip_distributed::ranks;
+use stickslip_distributed as ranks;
 
 use super::{Cli, Command, ExitStatus, Failure, interrupt, memory, output, program, threads};
 
@@ -66,7 +66,7 @@ pub(super) fn help() -> Option<ExitStatus> {
             }
         }
     };
-    match stickslip_distributed::help(&mut body) {
+    match ranks::help(&mut body) {
         Ok(()) => Some(ExitStatus::Success),
         Err(error) => failed(&error),
     }

@@ -93,7 +93,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
         scene = scene.with(&[Override::value("time.increments", i64::from(number))])?;
     }
     #[cfg(feature = "petsc")]
-    ranks::check(stickslip_distributed::ranks::count(), scene.solver.linear)?;
+    ranks::check(stickslip::algebra::linear::rank_count(), scene.solver.linear)?;
     if args.is_verbose() {
         say!("{}", scene.title);
         say!("set-up       mesh, stiffness, contact");

@@ -15,11 +15,11 @@ fn every_scene_is_what_umfpack_says() {
     }
 }
 
-/// The minimum degree ordering, which MUMPS uses without METIS or a given ordering, has 1.7 times the fill.
+/// PORD's ordering, which MUMPS takes where it has neither METIS nor SCOTCH, has 1.1 times the fill of METIS'; that of minimum
+/// degree has 1.7 times.
 #[test]
 fn factors_are_as_small_as_those_of_umfpack() {
-    for (name, change, bound) in
-        [("cube", "mesh.elements=[16,16,16]", 1.25), ("block", "mesh.elements=[100,100]", 1.25)]
+    for (name, change, bound) in [("cube", "mesh.elements=[16,16,16]", 1.3), ("block", "mesh.elements=[100,100]", 1.25)]
     {
         let overrides = [change, "time.increments=1"];
         let entries = |linear| report(name, &overrides, linear)["totals"]["nnz_factors"].as_f64().unwrap();

@@ -2,34 +2,10 @@
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::multigrid::small::transposed_on;
+    use crate::multigrid::small::{on, transposed};
     use crate::multigrid::*;
-    use crate::petsc::Rows;
+    use stickslip::algebra::Symmetric;
     use stickslip::algebra::linear::GridContact;
-
-    /// Gaussian elimination on the whole matrix.
-    struct Inverse(Vec<Vec<f64>>);
-
-    impl Inverse {
-        #[allow(clippy::needless_pass_by_value, clippy::unnecessary_wraps, reason = "as whoever makes a cycle")]
-        fn boxed(rows: Rows, _motions: Vec<Vec<f64>>, _: &[usize]) -> Result<Box<dyn Cycle>, LinearError> {
-            let n = rows.starts.len() - 1;
-            let mut dense = vec![vec![0.0; n]; n];
-            for (i, row) in dense.iter_mut().enumerate() {
-                for k in rows.starts[i] as usize..rows.starts[i + 1] as usize {
-                    row[rows.columns[k] as usize] = rows.values[k];
-                }
-            }
-            Ok(Box::new(Inverse(dense)))
-        }
-    }
-
-    impl Cycle for Inverse {
-        fn cycle(&mut self, r: &[f64], z: &mut [f64]) -> Result<(), LinearError> {
-            z.copy_from_slice(&solved(self.0.clone(), r.to_vec()));
-            Ok(())
-        }
-    }
 
     fn solved(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> Vec<f64> {
         let n = b.len();
@@ -112,7 +88,7 @@ pub(super) mod tests {
             let frame = [[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]];
             let beyond = changed.then_some((0, 0.25));
             let mut row = |row: usize, w: [f64; 3], p: [f64; 3]| {
-                for (axis, coefficient) in transposed_on(&frame, w).into_iter().enumerate() {
+                for (axis, coefficient) in on(&transposed(&frame), w).into_iter().enumerate() {
                     entries.push((row, 3 * node + axis, coefficient));
                     if let (Some((dof, share)), 0) = (beyond, axis) {
                         entries.push((row, dof, share * coefficient));
@@ -174,12 +150,16 @@ pub(super) mod tests {
         Law::Slip(1.6),
     ];
 
-    fn iterations(laws: &[Law], changed: bool, form: Form) -> usize {
+    /// A factorisation in place of the cycle.
+    pub(crate) const INVERSE: Option<&str> = Some("-contact_pc_type lu");
+
+    fn iterations(laws: &[Law], changed: bool, interior: bool) -> usize {
         let (grid, a) = system(laws, changed);
         let n = a.order();
-        let mut solver = Multigrid { make_cycle: Inverse::boxed, ..Multigrid::new(grid, form) };
-        solver.analyze(a.pattern()).unwrap();
-        solver.factorize(a.rest().values()).unwrap();
+        let whole = Symmetric::from_triplets(1, &[(0, 0, 1.0)]).unwrap();
+        let mut solver = Multigrid::new(&whole.into(), Grid { interior, ..grid }, INVERSE);
+        solver.analyze_system(&a).unwrap();
+        solver.factorize_system(&a).unwrap();
         let mut numbers = Numbers(11);
         let b: Vec<f64> = (0..n).map(|_| numbers.next()).collect();
         let mut x = vec![0.0; n];
@@ -197,19 +177,19 @@ pub(super) mod tests {
 
     #[test]
     fn one_iteration_with_an_inverse_and_friction_in_it() {
-        assert_eq!(iterations(&LAWS, false, Form::Oblique), 1);
+        assert_eq!(iterations(&LAWS, false, true), 1);
     }
 
     #[test]
     fn one_iteration_where_rows_hold_what_is_not_of_their_node() {
-        assert_eq!(iterations(&LAWS, true, Form::Oblique), 1);
+        assert_eq!(iterations(&LAWS, true, true), 1);
     }
 
     #[test]
     fn without_friction_the_symmetric_form_is_exact_too() {
         let laws = [Law::Open, Law::Stick, Law::Slip(0.0), Law::Edge(0.0), Law::Stick];
-        assert_eq!(iterations(&laws, false, Form::Symmetric), 1);
-        let found = iterations(&LAWS, false, Form::Symmetric);
+        assert_eq!(iterations(&laws, false, false), 1);
+        let found = iterations(&LAWS, false, false);
         assert!((2..=20).contains(&found), "{found}");
     }
 }

@@ -2,8 +2,9 @@
 
 #[cfg(test)]
 pub(super) mod tests {
-    use crate::multigrid::exact::tests::{LAWS, Numbers, system};
+    use crate::multigrid::exact::tests::{INVERSE, LAWS, Numbers, system};
     use crate::multigrid::*;
+    use crate::stiffness::share;
     use stickslip::algebra::linear::{Distributed, Stiffness, backward_error};
     use stickslip::algebra::{DoubleDouble, NodeRows, Symmetric};
 
@@ -115,26 +116,26 @@ pub(super) mod tests {
 
     #[test]
     fn it_is_solved_in_as_many_iterations() {
-        for form in [Form::Symmetric, Form::Oblique] {
+        for (interior, options) in
+            [(false, INVERSE), (true, INVERSE), (false, Some("-pc_type lu -pc_factor_mat_solver_type mumps"))]
+        {
             let (grid, matrices, stiffness) = both(4.0);
+            let grid = Grid { interior, ..grid };
             let mut numbers = Numbers(11);
             let b: Vec<f64> = (0..matrices[0].order()).map(|_| numbers.next()).collect();
-            let solved = |mut solver: Multigrid, a: &SystemMatrix| {
+            let solved = |stiffness: &Stiffness, a: &SystemMatrix| {
                 let mut x = vec![0.0; b.len()];
+                let mut solver = Multigrid::new(stiffness, grid.clone(), options);
                 solver.analyze_system(a).unwrap();
                 solver.factorize_system(a).unwrap();
                 solver.solve(&b, &mut x).unwrap();
                 (x, solver.iterated())
             };
-            let without = || Multigrid::new(grid.clone(), form);
-            let (whole, gathered) = (solved(without(), &matrices[0]), solved(without(), &matrices[1]));
-            let shared = solved(
-                Multigrid { form, ..Multigrid::of(&Stiffness::Distributed(Arc::clone(&stiffness)), grid.clone()) },
-                &matrices[1],
-            );
-            for other in [gathered, shared] {
-                assert_close(&other.0, &whole.0, 1e-8);
-                assert_eq!(other.1, whole.1);
+            let whole = Stiffness::from(stiffness.gathered().unwrap());
+            let expected = solved(&whole, &matrices[0]);
+            for other in [solved(&whole, &matrices[1]), solved(&Stiffness::Distributed(stiffness), &matrices[1])] {
+                assert_close(&other.0, &expected.0, 1e-8);
+                assert_eq!(other.1, expected.1);
             }
         }
     }

@@ -66,25 +66,18 @@ pub(super) fn transposed(a: &Small) -> Small {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[j][i]))
 }
 
+/// Returns the product of several matrices.
+pub(super) fn product(of: &[&Small]) -> Small {
+    of.iter().skip(1).fold(*of[0], |left, right| times(&left, right))
+}
+
+pub(super) fn minus(a: &Small, b: &Small) -> Small {
+    [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][j] - b[i][j]))
+}
+
+#[cfg(test)]
 pub(super) fn on(a: &Small, x: [f64; 3]) -> [f64; 3] {
     a.map(|row| (0..3).map(|k| row[k] * x[k]).sum())
-}
-
-/// Returns `aᵀ x`.
-pub(super) fn transposed_on(a: &Small, x: [f64; 3]) -> [f64; 3] {
-    [0, 1, 2].map(|j| (0..3).map(|k| a[k][j] * x[k]).sum())
-}
-
-/// Returns the vector of `node` in `all`, with `d` directions per node.
-pub(super) fn vector(all: &[f64], node: usize, d: usize) -> [f64; 3] {
-    let mut v = [0.0; 3];
-    v[..d].copy_from_slice(&all[node * d..(node + 1) * d]);
-    v
-}
-
-/// Writes the vector of `node` to `all`.
-pub(super) fn put(all: &mut [f64], node: usize, d: usize, v: [f64; 3]) {
-    all[node * d..(node + 1) * d].copy_from_slice(&v[..d]);
 }
 
 #[cfg(test)]

@@ -1,1 +1,0 @@
-#include <dmumps_c.h>

@@ -1,0 +1,156 @@
+//! A stiffness with rows on all ranks, from the view of rank 0: vectors, and the columns near contact.
+
+use std::fmt;
+use std::sync::{Arc, Mutex};
+
+use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
+use stickslip::algebra::{Csc, DoubleDouble, MatrixError, NodeRows, Symmetric};
+
+use crate::handle::{Parts, locked};
+use crate::part::{Job, Part};
+use crate::ranks::Shared;
+use crate::ranks::shim::World;
+use crate::rows::{Numbering, Rows};
+
+/// Creates the stiffness of `body`, of which each MPI rank assembles the rows of its own nodes. This process keeps a
+/// copy of the columns at the nodes `near` contact. Returns `None` if a rank cannot assemble its rows, or has another
+/// body.
+///
+/// # Errors
+/// If MPI does not run, or memory is short.
+pub(crate) fn share(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Stiffness>, LinearError> {
+    Ok(SharedStiffness::new(body, near)?.map(|shared| Stiffness::Distributed(Arc::new(shared))))
+}
+
+/// The shared stiffness; clones share it.
+#[derive(Clone)]
+pub(crate) struct SharedStiffness(Arc<Inner>);
+
+struct Inner {
+    parts: Parts,
+    numbering: Arc<Numbering>,
+    entries: usize,
+    /// The displacement in each row of the whole; those of missing directions are of no displacement.
+    displacements: Vec<usize>,
+    near: Csc,
+    diagonal: Vec<f64>,
+    row_norms: Vec<f64>,
+}
+
+impl fmt::Debug for SharedStiffness {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("SharedStiffness").field("order", &self.0.diagonal.len()).finish_non_exhaustive()
+    }
+}
+
+impl SharedStiffness {
+    fn new(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Self>, LinearError> {
+        let mut parts = Shared::new(Some(body))?;
+        let Some(rows) = &parts.part().rows else { return Ok(None) };
+        let (numbering, d) = (Arc::clone(&rows.numbering), body.dimension());
+        let mut displacements = vec![usize::MAX; numbering.count() * d];
+        for (node, number) in (0..body.nodes()).filter_map(|node| Some((node, numbering.number(node)?))) {
+            for (direction, dof) in body.places(node).into_iter().enumerate() {
+                if let Some(dof) = dof {
+                    displacements[number * d + direction] = dof;
+                }
+            }
+        }
+        let [mut row_norms, mut diagonal] = [(); 2].map(|()| vec![0.0; body.order()]);
+        let entries = parts.run(Job::Norms, 0, |world, part| match &mut part.rows {
+            Some(rows) => rows.norms(world, [&mut row_norms, &mut diagonal]),
+            None => Ok(0),
+        })?;
+        let Some(Ok(near)) = body.rows(near).map(|rows| columns(&rows, body, near)) else { return Ok(None) };
+        let parts = Arc::new(Mutex::new(parts));
+        let inner = Inner { parts, numbering, entries, displacements, near, diagonal, row_norms };
+        Ok(Some(SharedStiffness(Arc::new(inner))))
+    }
+
+    /// Returns the parts on all ranks.
+    pub(crate) fn parts(&self) -> &Parts {
+        &self.0.parts
+    }
+
+    /// Returns the numbers of the nodes, and the ranges of the ranks.
+    pub(crate) fn numbering(&self) -> &Arc<Numbering> {
+        &self.0.numbering
+    }
+
+    fn run<T>(
+        &self,
+        job: Job,
+        own: impl FnOnce(&World, &mut Rows) -> Result<T, LinearError>,
+    ) -> Result<T, LinearError> {
+        locked(&self.0.parts).run(job, 0, |world, Part { rows, .. }| match rows {
+            Some(rows) => own(world, rows),
+            None => Err(LinearError::Order { missing: "the rows of this rank" }),
+        })
+    }
+}
+
+/// Returns the columns of `rows` at the nodes `near` contact, with both triangles.
+fn columns(rows: &Symmetric, body: &dyn NodeRows, near: &[bool]) -> Result<Csc, MatrixError> {
+    let n = rows.order();
+    let mut is_near = vec![false; n];
+    for node in (0..body.nodes()).filter(|node| near[*node]) {
+        body.places(node).into_iter().flatten().for_each(|dof| is_near[dof] = true);
+    }
+    let entries = rows.entries().filter(|(_, column, _)| is_near[*column]);
+    Csc::from_triplets(n, n, &entries.collect::<Vec<_>>())
+}
+
+impl Distributed for SharedStiffness {
+    fn order(&self) -> usize {
+        self.0.diagonal.len()
+    }
+
+    fn entries(&self) -> usize {
+        self.0.entries
+    }
+
+    fn owner(&self, node: usize) -> Option<usize> {
+        self.0.numbering.owner(node)
+    }
+
+    fn diagonal(&self) -> &[f64] {
+        &self.0.diagonal
+    }
+
+    fn row_norms(&self) -> &[f64] {
+        &self.0.row_norms
+    }
+
+    fn near(&self) -> &Csc {
+        &self.0.near
+    }
+
+    fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
+        self.run(Job::Product, |_, rows| rows.products(Job::Product, [x, &[]], [y, &mut []]))
+    }
+
+    fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) -> Result<(), LinearError> {
+        self.run(Job::Products, |_, rows| rows.products(Job::Products, [x, &[]], [y, sizes]))
+    }
+
+    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
+        let (mut high, mut low) = (vec![0.0; x.len()], vec![0.0; x.len()]);
+        self.run(Job::Beyond, |_, rows| rows.products(Job::Beyond, [x, rest], [&mut high, &mut low]))?;
+        for (sum, (high, low)) in sums.iter_mut().zip(high.into_iter().zip(low)) {
+            sum.add_product(factor, high);
+            sum.add(factor * low);
+        }
+        Ok(())
+    }
+
+    fn gathered(&self) -> Result<Symmetric, LinearError> {
+        let entries = self.run(Job::Lower, |world, rows| rows.lower(world))?;
+        let dof = &self.0.displacements;
+        let entry = |[row, column, value]: &[f64; 3]| {
+            let (row, column) = (dof[*row as usize], dof[*column as usize]);
+            (row.max(column), row.min(column), *value)
+        };
+        let entries: Vec<_> = entries.as_chunks().0.iter().map(entry).collect();
+        Symmetric::from_triplets(self.order(), &entries).map_err(|_| LinearError::NotFinite)
+    }
+}
