@@ -246,7 +246,7 @@ pub(crate) fn factorizations(layout: &Layout, method: HistoryMethod, increments:
         // Without contact the problem is linear and has one matrix.
         _ if layout.contacts() == 0 => 1.0,
         // One for each rate, independent of the increments.
-        HistoryMethod::ExactPath { .. } => EVENT_RATES * layout.contacts() as f64,
+        HistoryMethod::ExactPath => EVENT_RATES * layout.contacts() as f64,
         HistoryMethod::Increments(method) if method.is_interior() && layout.has_second_tangent() => {
             IP_FACTORIZATIONS_IN_A_PLANE * increments as f64
         }

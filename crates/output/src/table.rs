@@ -97,13 +97,13 @@ mod tests {
         let mut table = super::Table::new(&["n", long, long]);
         table.push(vec!["100".into(), "2.5".into(), "1234567.5".into()]);
         let expected = "
-     boundaries.  boundaries.
-       cylinder:    cylinder:
-         bottom.      bottom.
-       friction_    friction_
-  n  work, mJ/mm  work, mJ/mm
----  -----------  -----------
-100          2.5    1234567.5
+        boundaries.     boundaries.
+          cylinder:       cylinder:
+            bottom.         bottom.
+     friction_work,  friction_work,
+  n           mJ/mm           mJ/mm
+---  --------------  --------------
+100             2.5       1234567.5
 ";
         assert_eq!(table.to_string(), expected[1..]);
     }

@@ -66,7 +66,7 @@ fn styled(method: HistoryMethod, curve: Curve) -> Curve {
         HistoryMethod::Increments(Method::PaperBn) => (Dash::Solid, Marker::Triangle),
         HistoryMethod::Increments(Method::Ip) => (Dash::Dashed, Marker::Disc),
         HistoryMethod::Increments(Method::PaperIp { .. }) => (Dash::Dashed, Marker::Triangle),
-        HistoryMethod::ExactPath { .. } => (Dash::Dotted, Marker::Square),
+        HistoryMethod::ExactPath => (Dash::Dotted, Marker::Square),
     };
     Curve { line: Some(Line { dash, width: 1.8 }), marker: Some(marker), ..curve }
 }
