@@ -17,7 +17,7 @@ use crate::whole::assert_whole;
 
 /// The solvers that ranks share, each with the relative difference of forces allowed between runs, and `true` if its steps
 /// are exact, so that they have the same number of iterations.
-const SHARED: &[(&str, f64, bool)] = &[("mumps", 1e-11, true), ("multigrid", 2e-10, false)];
+const SHARED: &[(&str, f64, bool)] = &[("mumps", 1e-11, true), ("multigrid", 1e-10, false)];
 
 /// A run that takes some seconds: a cube in many increments.
 const LONG: [&str; 11] = [
@@ -46,12 +46,13 @@ fn whole() -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// Checks that the files are complete, and that the run can be resumed to its end.
+/// Checks that the files are complete, and that the run can be resumed to its end. Inexact steps take another way to it, which
+/// may end with one iteration less.
 fn goes_on(ended: Ended, solver: &str, tolerance: f64) {
     assert_whole(&ended.out());
     let ended = Job::start_in(ended.folder, 2, PROGRAM, &long(solver)).end();
     assert_eq!(ended.status, Some(0), "{} {}", ended.output, ended.error);
-    assert_same_forces("cube", &ended.report(), &whole(), tolerance);
+    assert_same_forces("cube", &ended.report(), &whole(), 10.0 * tolerance);
 }
 
 #[test]
