@@ -9,7 +9,7 @@ const ALLOWED: [&str; 11] = [
     "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|OptionsSetValue|OptionsClear|OptionsInsertString|OptionsHasName|PushErrorHandler|ObjectReference|GetVersionNumber|MallocA)",
     "PETSC_(COMM_WORLD|DETERMINE|DEFAULT|VERSION_.*)",
     "Mat(Create|SetSizes|SetBlockSizes?|SetType|SetOption|Destroy|SetPreallocationCOO|SetValuesCOO|SetValues|ZeroEntries|GetInfo)",
-    "Mat(SeqAIJSetPreallocation|MPIAIJSetPreallocation|AssemblyBegin|AssemblyEnd|MatMatMult|MatMult|AXPY|PtAP|ProductClear|CreateMPIAdj)",
+    "Mat(SeqAIJSetPreallocation|MPIAIJSetPreallocation|AssemblyBegin|AssemblyEnd|CreateSubMatrix|MatMult|AXPY|CreateMPIAdj)",
     "Mat(SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|MumpsSetIcntl|MumpsGetInfog|MumpsGetRinfog)",
     "MatPartitioning(Create|SetAdjacency|SetFromOptions|Apply|Destroy)",
     "Vec(Create|GetOwnershipRange|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Norm|Dot|AXPY|Normalize|Destroy)",

@@ -140,15 +140,14 @@ impl Matrix {
         call!(STEP, MatAssemblyEnd(self.0, sys::MatAssemblyType_MAT_FINAL_ASSEMBLY))
     }
 
-    /// Computes `R A F`, with `Fᵀ` for `R` if it is none.
-    pub(crate) fn between(&self, r: Option<&Matrix>, f: &Matrix) -> Result<Matrix, LinearError> {
+    /// Returns the entries in these rows and columns of the whole, which are of this rank.
+    pub(crate) fn within(&self, places: &[Int]) -> Result<Matrix, LinearError> {
         const STEP: &str = "eliminating contact";
-        let (mut made, reuse, fill) = (Matrix(ptr::null_mut()), sys::MatReuse_MAT_INITIAL_MATRIX, 1.0);
-        match r {
-            Some(r) => call!(STEP, MatMatMatMult(r.0, self.0, f.0, reuse, fill, &raw mut made.0))?,
-            None => call!(STEP, MatPtAP(self.0, f.0, reuse, fill, &raw mut made.0))?,
-        }
-        call!(STEP, MatProductClear(made.0))?;
+        let (places, mut made) = (IndexSet::new(places)?, Matrix(ptr::null_mut()));
+        let reuse = sys::MatReuse_MAT_INITIAL_MATRIX;
+        call!(STEP, MatCreateSubMatrix(self.0, places.0, places.0, reuse, &raw mut made.0))?;
+        let option = sys::MatOption_MAT_NEW_NONZERO_ALLOCATION_ERR;
+        call!(STEP, MatSetOption(made.0, option, sys::PetscBool_PETSC_FALSE))?;
         Ok(made)
     }
 
@@ -163,6 +162,11 @@ impl Matrix {
     pub(crate) fn plus(&mut self, factor: f64, other: &Matrix) -> Result<(), LinearError> {
         let pattern = sys::MatStructure_DIFFERENT_NONZERO_PATTERN;
         call!("eliminating contact", MatAXPY(self.0, factor, other.0, pattern))
+    }
+
+    /// Adds another matrix, most of whose entries have room in this one.
+    pub(crate) fn plus_within(&mut self, other: &Matrix) -> Result<(), LinearError> {
+        call!("eliminating contact", MatAXPY(self.0, 1.0, other.0, sys::MatStructure_SUBSET_NONZERO_PATTERN))
     }
 
     /// Returns the number of entries on all ranks.

@@ -215,6 +215,7 @@ impl System {
         let ones = (0..free as Int).map(|k| (row + k, column + k, 1.0));
         let to_all: Vec<Entry> = ones.clone().chain(contact.to_all.iter().copied()).collect();
         let mut to_all = Matrix::of([all, free], d, &to_all)?;
+        let only_ones = Matrix::of([all, free], d, &ones.clone().collect::<Vec<_>>())?;
         let ones = ones.map(|(row, column, one)| (column, row, one));
         let from_all: Vec<Entry> = ones.chain(contact.from_all.iter().copied()).collect();
         let mut from_all = Matrix::of([free, all], 1, &from_all)?;
@@ -223,7 +224,13 @@ impl System {
         if fresh {
             // The old cycle is dropped before a new one is made.
             self.cycles.remove(&cycle);
-            let mut between = self.matrix.between(Some(&from_all).filter(|_| unsymmetric), &to_all)?;
+            // With the ones J in F = J + F_c and in R = Jᵀ + R_c it is Jᵀ A J + R_c A J + R A F_c.
+            let places: Vec<Int> = (row..).take(free).collect();
+            let mut between = self.matrix.within(&places)?;
+            let of_contact = Matrix::of([all, free], d, &contact.to_all)?;
+            between.plus_within(&from_all.times(&self.matrix.times(&of_contact)?)?)?;
+            let of_contact = Matrix::of([free, all], 1, &contact.from_all)?;
+            between.plus_within(&of_contact.times(&self.matrix)?.times(&only_ones)?)?;
             for &(row, column, value) in &contact.added {
                 between.add(&[row], &[column], &[value])?;
             }

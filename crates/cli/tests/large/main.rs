@@ -16,6 +16,8 @@ mod job;
 mod multigrid;
 mod mumps;
 #[cfg(target_os = "linux")]
+mod options;
+#[cfg(target_os = "linux")]
 mod pieces;
 #[cfg(target_os = "linux")]
 mod ranks;

@@ -17,7 +17,7 @@ use crate::whole::assert_whole;
 
 /// The solvers that ranks share, each with the relative difference of forces allowed between runs, and `true` if its steps
 /// are exact, so that they have the same number of iterations.
-const SHARED: &[(&str, f64, bool)] = &[("mumps", 1e-11, true), ("multigrid", 2e-10, false)];
+const SHARED: &[(&str, f64, bool)] = &[("mumps", 1e-11, true), ("multigrid", 1e-10, false)];
 
 /// A run that takes some seconds: a cube in many increments.
 const LONG: [&str; 11] = [
@@ -46,12 +46,13 @@ fn whole() -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// Checks that the files are complete, and that the run can be resumed to its end.
+/// Checks that the files are complete, and that the run can be resumed to its end. Inexact steps take another way to it, which
+/// may end with one iteration less.
 fn goes_on(ended: Ended, solver: &str, tolerance: f64) {
     assert_whole(&ended.out());
     let ended = Job::start_in(ended.folder, 2, PROGRAM, &long(solver)).end();
     assert_eq!(ended.status, Some(0), "{} {}", ended.output, ended.error);
-    assert_same_forces("cube", &ended.report(), &whole(), tolerance);
+    assert_same_forces("cube", &ended.report(), &whole(), 10.0 * tolerance);
 }
 
 #[test]
@@ -243,8 +244,8 @@ fn memory_that_one_rank_is_refused_is_told() {
             match ended.status {
                 Some(3) => {
                     let told = ended.told();
-                    assert!(told.contains("out of memory in "), "{solver} {kilobytes}: {told}");
-                    steps.push(told.split("out of memory in ").nth(1).unwrap()[..8].to_string());
+                    assert!(told.contains("out of memory"), "{solver} {kilobytes}: {told}");
+                    steps.push(told.split("out of memory").nth(1).unwrap()[..12].to_string());
                 }
                 status => assert_eq!(status, Some(0), "{solver} {kilobytes}: {}", ended.error),
             }
@@ -253,7 +254,7 @@ fn memory_that_one_rank_is_refused_is_told() {
             assert!(kilobytes < 2_000_000 || ended.status == Some(0));
         }
         println!("{solver}: {steps:?}");
-        assert_eq!(steps[0], "the BLAS");
+        assert_eq!(steps[0], " in the BLAS");
     }
 }
 
