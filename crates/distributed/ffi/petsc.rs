@@ -4,7 +4,7 @@ use super::bindings::{generate, stop};
 use super::ranks::includes;
 use std::process::Command;
 
-/// What `petsc.rs` calls.
+/// The functions that `petsc.rs` calls.
 const ALLOWED: [&str; 11] = [
     "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|OptionsSetValue|OptionsClear|OptionsInsertString|OptionsHasName|PushErrorHandler|ObjectReference|GetVersionNumber|MallocA)",
     "PETSC_(COMM_WORLD|DETERMINE|DEFAULT|VERSION_.*)",
@@ -39,7 +39,7 @@ pub fn petsc() {
     generate("ffi/petsc.h", "petsc.rs", &arguments, &ALLOWED);
 }
 
-/// What a program that tells about an installation says.
+/// Returns the output of a program that describes an installation.
 fn words(program: &str, arguments: &[&str]) -> Vec<String> {
     match Command::new(program).args(arguments).output() {
         Ok(output) if output.status.success() => {

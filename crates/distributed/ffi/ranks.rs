@@ -1,6 +1,6 @@
 //! Compiles the few functions of MPI, links them, and generates their bindings.
 //!
-//! What calls MPI is compiled by the `mpicc` in the path.
+//! The C code that calls MPI is compiled by the `mpicc` in the path.
 
 use super::bindings::{generate, stop};
 use std::env;
@@ -36,7 +36,7 @@ pub fn includes() -> Vec<String> {
     flags.into_iter().filter(|flag| flag.starts_with("-I")).collect()
 }
 
-/// What `mpicc` says of itself, asked as Open MPI and as MPICH want to be.
+/// Returns what `mpicc` says of itself, asked as Open MPI and as MPICH want to be.
 fn mpicc(words: [&str; 2]) -> Vec<String> {
     for word in words {
         match Command::new("mpicc").arg(word).output() {

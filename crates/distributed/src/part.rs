@@ -1,4 +1,4 @@
-//! What one rank has of a shared object: rows of a stiffness, and systems on it. Every method is collective; rank 0 has
+//! The part of a shared object on one rank: rows of a stiffness, and systems on it. Every method is collective; rank 0 has
 //! whole vectors and receives whole results, those of the others are empty.
 
 use std::collections::HashMap;
@@ -19,7 +19,7 @@ pub(crate) enum Job {
     Products,
     Beyond,
     Lower,
-    /// Of a system: to make it, to take over values, to solve, to drop it.
+    /// A request about a system: to make it, to take over values, to solve, to drop it.
     System,
     Factorize,
     Solve,

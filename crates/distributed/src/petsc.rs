@@ -330,7 +330,7 @@ impl Preconditioner {
 
 /// The parts of a preconditioner with contact eliminated.
 pub(crate) struct Parts<'a> {
-    /// What is known without a cycle.
+    /// The part of the inverse that is known without a cycle.
     pub known: &'a Matrix,
     /// The cycle, the way of a residual to it, and the way of its result to the unknowns.
     pub cycle: &'a Preconditioner,

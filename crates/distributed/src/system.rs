@@ -7,7 +7,7 @@
 //! y = E r,   y += F (R A F)⁻¹ R (r - A y),   y += T (r - A y).
 //! ```
 //!
-//! With an exact inverse in place of the cycle this is the inverse of `A`. Multiplied out, with the products of `A` and the
+//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of `A` and the
 //! matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A E)`.
 
 use std::collections::HashMap;
@@ -22,7 +22,7 @@ use crate::rows::Rows;
 /// An entry: row and column in the whole, value.
 pub(crate) type Entry = (Int, Int, f64);
 
-/// What rank 0 tells of a system.
+/// The data of a system that rank 0 broadcasts.
 pub(crate) struct Setup<'a> {
     /// The dimension; 0 for a system that is factored.
     pub dimension: usize,
@@ -38,7 +38,7 @@ pub(crate) struct Setup<'a> {
     pub entries: Option<[Vec<Int>; 2]>,
 }
 
-/// What rank 0 tells of new values.
+/// The data of new values that rank 0 broadcasts.
 pub(crate) struct Change<'a> {
     /// The values of the entries, or entries besides `factor` times the shared stiffness; nothing if they stay.
     pub values: Values<'a>,
