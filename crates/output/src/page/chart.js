@@ -1,6 +1,6 @@
 // A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point; `arrows` in the direction of time; `ends`, its
 // first and last point; `wide`, or `bare` without the curve itself. A drag zooms, and a double click or double tap shows all again.
-// Own code: uPlot (51 kB) and dygraphs (130 kB) want ascending x, which loops do not have; Chart.js takes 210 kB, and one more plugin to zoom.
+// Own code: uPlot (51 kB) wants ascending x, which loops do not have; Chart.js takes 210 kB, and one more plugin to zoom.
 const NS = "http://www.w3.org/2000/svg";
 function draw(into, curves, titles, zoom = null) {
   const [across, up] = titles;
