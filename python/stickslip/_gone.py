@@ -71,7 +71,7 @@ def refuse_old_names() -> None:
         kind = attrgetter(where)(package)
         for old, new in names.items():
             setattr(kind, old, _Gone(f"{old} of {where} is gone: take {new}"))
-        # What an editor offers.
+        # The names that an editor offers.
         kind.__dir__ = lambda of, gone=names: [name for name in object.__dir__(of) if name not in gone]
     for where, names in KEYWORDS.items():
         owner, _, name = where.rpartition(".")

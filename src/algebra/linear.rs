@@ -228,7 +228,7 @@ pub enum LinearError {
         step: &'static str,
         /// The reason, in its words.
         reason: String,
-        /// What helps.
+        /// The cure.
         help: &'static str,
     },
     /// Another status of a backend.

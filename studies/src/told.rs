@@ -182,7 +182,7 @@ fn told(report: &RunReport) -> [Option<f64>; 7] {
     [
         report.largest_force.as_ref().and_then(|force| force.mesh_error),
         peak.and_then(|peak| peak.mesh_error),
-        // That of the work is told by finer runs alone.
+        // Finer runs alone tell the error of the work.
         None,
         tangential.and_then(|force| force.mesh_error),
         report.stick_zone.as_ref().map(|zone| zone.uncertainty),

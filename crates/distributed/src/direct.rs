@@ -155,7 +155,7 @@ mod tests {
         let mut x = vec![0.0; b.len()];
         solver.solve(&b, &mut x).unwrap();
         assert!(residual(&pattern, &values, &x, &b) < 1e-13);
-        // With no prescribed displacements the same analysis is used.
+        // Systems without prescribed displacements have the same analysis.
         let nodes = 400;
         let slots = (0..20).map(|j| (pattern.slot(nodes + j, 380 + j), pattern.slot(nodes + j, nodes + j)));
         let mut open = values.clone();

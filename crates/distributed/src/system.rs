@@ -224,7 +224,7 @@ impl System {
         if fresh {
             // The old cycle is dropped before a new one is made.
             self.cycles.remove(&cycle);
-            // With the ones J in F = J + F_c and in R = Jᵀ + R_c it is Jᵀ A J + R_c A J + R A F_c.
+            // F = J + F_c and R = Jᵀ + R_c, with the ones J, make it Jᵀ A J + R_c A J + R A F_c.
             let places: Vec<Int> = (row..).take(free).collect();
             let mut between = self.matrix.within(&places)?;
             let of_contact = Matrix::of([all, free], d, &contact.to_all)?;

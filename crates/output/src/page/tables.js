@@ -25,7 +25,7 @@ function table(section, head, rows) {
 }
 // Every table of the run that is one for all increments.
 const cells = (row, names) => names.map((name) => (Number.isNaN(number(row[name])) ? row[name] : number(row[name])));
-// What is rounding beside the largest number of its column is 0.
+// Numbers that are rounding beside the largest of their column are 0.
 function withoutRounding(rows) {
   (rows[0] || []).forEach((_, k) => {
     const most = Math.max(...rows.map((row) => (typeof row[k] === "number" ? Math.abs(row[k]) : 0)));
