@@ -33,7 +33,7 @@ fn panel(
     place: impl Fn([f64; 3]) -> Option<f64>,
     exact: impl Fn(f64) -> f64,
 ) -> Panel {
-    let nodes = model.contacts.iter().zip(forces);
+    let nodes = model.contact.nodes.iter().zip(forces);
     let mut nodes: Vec<[f64; 2]> = nodes.filter_map(|(c, p)| Some([place(c.position)?, p / c.weight])).collect();
     nodes.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let [first, last] = [nodes.first(), nodes.last()].map(|node| node.map_or(0.0, |node| node[0]));

@@ -28,10 +28,10 @@ fn every_law_is_measured() {
     assert_eq!(judged(&|_| ()), "");
 
     let state = &recording.increments[last].state;
-    let pressed = (0..model.contacts.len()).max_by(|&a, &b| state.p_n[a].total_cmp(&state.p_n[b])).unwrap();
+    let pressed = (0..model.contact.nodes.len()).max_by(|&a, &b| state.p_n[a].total_cmp(&state.p_n[b])).unwrap();
     let open = state.p_n.iter().position(|p| *p == 0.0).unwrap();
     let full = |&i: &usize| state.p_n[i] > 0.0 && (state.p_t[i].abs() / (0.4 * state.p_n[i]) - 1.0).abs() < 1e-9;
-    let slipping = (0..model.contacts.len()).find(full).unwrap();
+    let slipping = (0..model.contact.nodes.len()).find(full).unwrap();
     let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     let length = state.u.iter().fold(0.0_f64, |m, u| m.max(u.abs()));
 

@@ -158,18 +158,18 @@ impl SceneModel {
 
     /// Node and position of each contact node.
     fn contacts(&self) -> Vec<(usize, [f64; 3])> {
-        self.model.contacts.iter().map(|contact| (contact.node, contact.position)).collect()
+        self.model.contact.nodes.iter().map(|contact| (contact.node, contact.position)).collect()
     }
 
     /// Normal towards the obstacle and tangents of each contact node.
     fn frames(&self) -> Vec<[[f64; 3]; 3]> {
-        let facings = self.model.contacts.iter().map(|contact| &contact.facing);
+        let facings = self.model.contact.nodes.iter().map(|contact| &contact.facing);
         facings.map(|facing| [facing.normal, facing.tangents[0], facing.tangents[1]]).collect()
     }
 
     /// Name of each boundary with contact, and its nodes among all contact nodes.
     fn boundaries(&self) -> Vec<(String, Vec<usize>)> {
-        let all = self.model.contact_boundaries.iter();
+        let all = self.model.contact.boundaries.iter();
         all.map(|boundary| (boundary.name.clone(), boundary.nodes.clone())).collect()
     }
 

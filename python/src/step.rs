@@ -104,7 +104,7 @@ pub(crate) fn contact_values<'py>(
     step: &RecordedIncrement,
 ) -> PyResult<Bound<'py, PyDict>> {
     let data = step.data();
-    let points = py.detach(|| contact_points(model, 0..model.contacts.len(), &step.step(&data)));
+    let points = py.detach(|| contact_points(model, 0..model.contact.nodes.len(), &step.step(&data)));
     let values = PyDict::new(py);
     let column =
         |value: fn(&stickslip::run::report::ContactPoint) -> f64| -> Vec<f64> { points.iter().map(value).collect() };

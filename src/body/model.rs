@@ -2,7 +2,9 @@
 
 mod balance;
 mod between_nodes;
+mod constraints;
 mod contact;
+mod contact_geometry;
 mod coupling;
 mod discrete;
 mod glued_contact;
@@ -21,13 +23,14 @@ mod surface;
 
 pub use balance::{Balance, Wrench};
 pub use between_nodes::{BetweenNodes, Overlap, PassedNode};
+pub use constraints::Constraints;
+pub use contact_geometry::ContactGeometry;
 pub use discrete::{Body, Share};
 pub use pair::Pair;
 pub use range::{DeformedNode, RangeLeft, TOLERATED_SHARE, range_left};
 pub use sliding::LargeMotion;
 pub use surface::SurfaceStress;
 
-use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
 use crate::algebra::linear::{LinearError, Stiffness};
@@ -35,22 +38,18 @@ use crate::algebra::sparse::Csr;
 use crate::base::input_error::InputError;
 use crate::base::timeline::within;
 use crate::base::units::{Scaling, UnitSystem};
-use crate::body::constraints::{Dofs, HeldRows, RigidMotion, assemble, unresisted_motions};
-use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle, Row};
+use crate::body::constraints::HeldRows;
+use crate::body::contact::{ContactNode, Row};
 use crate::body::description::Description;
-use crate::body::fem::{Elasticity, Element, InvertedElement, NodalVolumes, Plane, Spring};
+use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, Plane, Spring};
 use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};
 use balance::Statics;
 use contact::Contacts;
-use coupling::Couplings;
-use discrete::Discrete;
-use joint::Joints;
+use discrete::{Discrete, Elements};
 use load::FreeStrain;
 use motions::{Motions, Nearest};
-use recovery::Recovery;
-use support::{PrescribedMotion, RigidGroups};
 use surface::Surface;
 
 /// A discretised description.
@@ -60,46 +59,16 @@ pub struct Model {
     description: Description,
     /// The mesh.
     pub mesh: Arc<Mesh>,
-    /// The elastic law of each cell.
-    materials: Vec<Elasticity>,
-    /// The nodal volumes over which dilatations are averaged; empty for other elements.
-    volumes: NodalVolumes,
-    /// The numbering of the free displacements.
-    pub dofs: Dofs,
-    /// The contact nodes, in the order of `problem`'s rows.
-    pub contacts: Vec<ContactNode>,
-    /// The boundaries in contact.
-    pub contact_boundaries: Vec<ContactBoundary>,
-    /// The obstacles in front of the boundaries, and their motions.
-    pub obstacles: Vec<(PlacedObstacle, ObstacleMotion)>,
-    /// The obstacle that each contact node meets, where there are several.
-    nearest: Nearest,
-    /// The pairs of boundaries in contact with each other.
-    pub pairs: Vec<Pair>,
-    /// The algebraic problem.
-    pub problem: ContactProblem,
+    elements: Elements,
+    /// The constraints of the displacements.
+    pub constraints: Constraints,
+    /// The contact nodes with what is opposite.
+    pub contact: ContactGeometry,
     /// The loads and gaps over time.
     pub loading: Loading,
-    /// The rigid motions that `problem.rigid_modes()` represents.
-    pub rigid_motions: Vec<RigidMotion>,
-    /// The displacements that moving supports prescribe, and the bodies that they move as rigid bodies.
-    prescribed: Vec<PrescribedMotion>,
-    groups: RigidGroups,
-    couplings: Couplings,
-    joints: Joints,
-    /// The stress-free strain at factor 1 of each thermal load, and the number of the load.
-    thermal: Vec<(FreeStrain, usize)>,
     statics: Statics,
-    /// The recovery of tractions from contact forces, where dividing by the weights is not enough.
-    recovery: Option<Recovery>,
-    /// For each contact node beyond the end of the other body: the contact nodes whose forces add up to the pressure
-    /// there.
-    beside_the_end: BTreeMap<usize, Vec<usize>>,
-    /// The search for bodies that pass through each other.
-    passages: Option<Passages>,
-    /// For each contact node: `true` if the opposite side moves past it along a direction in which supports hold the
-    /// node, so that friction is missing there.
-    passed_by: Vec<bool>,
+    /// The algebraic problem.
+    pub problem: ContactProblem,
     /// The set-up of the stresses along the contact surface, made when these are first asked for.
     surface: OnceLock<Surface>,
 }
@@ -136,16 +105,17 @@ impl From<MeshError> for ModelError {
     }
 }
 
-/// Assembles the contact problem of the contact nodes.
+/// Assembles the contact problem of the contact nodes with their friction coefficients `mu`.
 fn contact_problem(
+    mesh: &Mesh,
+    Constraints { dofs, rigid_motions, .. }: &Constraints,
     stiffness: Stiffness,
     contacts: &[ContactNode],
     mu: Vec<f64>,
-    rigid_modes: Vec<Vec<f64>>,
-    free: usize,
 ) -> Result<ContactProblem, ProblemError> {
-    let map =
-        |row: fn(&ContactNode) -> &Row| Csr::of_rows(free, contacts.iter().map(|contact| row(contact).iter().copied()));
+    let map = |row: fn(&ContactNode) -> &Row| {
+        Csr::of_rows(dofs.free(), contacts.iter().map(|contact| row(contact).iter().copied()))
+    };
     ContactProblem::new(Parts {
         stiffness,
         c_n: map(|contact| &contact.normal),
@@ -153,17 +123,18 @@ fn contact_problem(
         c_o: map(|contact| &contact.tangents[1]),
         mu,
         weight: Some(contacts.iter().map(|contact| contact.weight).collect()),
-        rigid_modes: Some(rigid_modes),
+        rigid_modes: Some(rigid_motions.iter().map(|motion| motion.displacements(mesh, dofs)).collect()),
     })
 }
 
-/// Adds the effect of prescribed displacements beyond the rigid offset: forces on the free part of the body, and gaps.
-fn add_prescribed(
-    prescribed: &[PrescribedMotion],
+/// Computes the effect of `ū(t)` beyond the rigid offset: forces on the free part of the body, and gaps.
+fn prescribed_effect(
+    Constraints { dofs, prescribed, groups, .. }: &Constraints,
     contacts: &[ContactNode],
-    (dofs, rows, groups, springs): (&Dofs, &HeldRows, &RigidGroups, &[Spring]),
-    (cases, motions): (&mut Vec<LoadCase>, &mut Vec<Motion>),
-) -> Result<(), ProblemError> {
+    rows: &HeldRows,
+    springs: &[Spring],
+) -> Result<(Vec<LoadCase>, Vec<Motion>), ProblemError> {
+    let (mut cases, mut motions) = (Vec::new(), Vec::new());
     for motion in prescribed {
         cases.push(LoadCase::new(dofs.forces(motion.forces(groups, rows, springs)), motion.history.clone())?);
         let deviations: Vec<_> = contacts.iter().map(|contact| motion.deviation_of(dofs, groups, contact)).collect();
@@ -173,7 +144,40 @@ fn add_prescribed(
             motions.push(Motion::new(0..contacts.len(), gap, drift, motion.history.clone())?);
         }
     }
-    Ok(())
+    Ok((cases, motions))
+}
+
+/// Computes the loads of `description` and the gaps of `contacts` over time, each load with its forces at factor 1, and
+/// the obstacle that each contact node meets.
+fn loaded(
+    description: &Description,
+    discrete: &Discrete,
+    rows: &HeldRows,
+    contacts: &Contacts,
+) -> Result<(Loading, Vec<(NodalForces, Option<FreeStrain>)>, Nearest), ModelError> {
+    let Discrete { constraints, beds, .. } = discrete;
+    let Constraints { dofs, joints, .. } = constraints;
+    let Contacts { nodes, obstacles, .. } = contacts;
+    let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
+    let gap = |node: &ContactNode| node.obstacle().map_or(node.facing.gap, |k| node.gap_at_rest(&obstacles[k].0));
+    let gap: Vec<f64> = nodes.iter().map(gap).collect();
+    let Motions { mut rates, gap_corrections, nearest } = motions::motions(nodes, obstacles, &gap, &description.times)?;
+    let (mut cases, mut loads) = (Vec::new(), Vec::new());
+    let end = description.end();
+    for (k, given) in description.loads.iter().enumerate() {
+        let load = load::load(description, discrete, k)?;
+        cases.push(LoadCase::new(dofs.forces(load.0.iter().copied()), within(end, &given.factors(end)))?);
+        loads.push(load);
+    }
+    let (of_prescribed, motions) = prescribed_effect(constraints, nodes, rows, &springs)?;
+    cases.extend(of_prescribed);
+    rates.extend(motions);
+    for (force, history) in joints.tightened(description, dofs, true) {
+        cases.push(LoadCase::new(dofs.forces([force]), history)?);
+    }
+    let friction = contacts.friction_history(description)?;
+    let loading = Loading::new(cases, gap)?.with_motions(rates, gap_corrections)?.with_friction(friction)?;
+    Ok((loading, loads, nearest))
 }
 
 impl Model {
@@ -193,95 +197,24 @@ impl Model {
     pub fn shared(description: &Description, share: Option<Share<'_>>) -> Result<Self, ModelError> {
         let discrete = Discrete::new(description)?;
         let times = description.ends_at_kinks(&description.times);
-        let laid_out = Description { times, ..description.clone() };
-        let description = &laid_out;
+        let description = Description { times, ..description.clone() };
         let sharing = share.and_then(|share| Some((share, Body::on(&discrete)?)));
-        let Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds } = &discrete;
-        let law = |e: usize| materials[e];
-        let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
-        let (stiffness, rows) = if sharing.is_some() {
-            (None, HeldRows::rows_only(mesh, dofs, *element, law)?)
-        } else {
-            let (stiffness, rows) = HeldRows::beside(mesh, dofs, *element, volumes, law, &springs)?;
-            (Some(stiffness), rows)
+        let (stiffness, rows) = discrete.assembled(sharing.is_some())?;
+        let contacts = Contacts::new(&description, &discrete.mesh, &discrete.constraints, &discrete.pairs)?;
+        let (loading, loads, nearest) = loaded(&description, &discrete, &rows, &contacts)?;
+        let stiffness = match (stiffness, &sharing) {
+            (Some(stiffness), _) => Some(stiffness.into()),
+            (None, Some((share, body))) => body.stiffness(&contacts.nodes, share)?,
+            (None, None) => None,
         };
-        let groups = RigidGroups::new(description, mesh, dofs, (couplings, pairs), holdings)?;
-        let mut prescribed = PrescribedMotion::all(description, mesh, dofs, holdings, &groups)?;
-        let jumps = joints.tightened(description, dofs, false);
-        prescribed.extend(jumps.map(|(jump, history)| PrescribedMotion::of_jump(dofs, groups.count, jump, history)));
-
-        let contacts = Contacts::new(description, mesh, dofs, &prescribed, pairs, &groups)?;
-        let friction = contacts.friction_history(description)?;
-        let Contacts { nodes: contacts, mu, boundaries: contact_boundaries, obstacles, .. } = contacts;
-        let mu = friction.as_ref().map_or(mu, FrictionHistory::largest);
-        let gap = |contact: &ContactNode| {
-            contact.obstacle().map_or(contact.facing.gap, |k| contact.gap_at_rest(&obstacles[k].0))
-        };
-        let gap: Vec<f64> = contacts.iter().map(gap).collect();
-        let Motions { rates: mut motions, gap_corrections, nearest } =
-            motions::motions(&contacts, &obstacles, &gap, &description.times)?;
-        let (mut cases, mut forces, mut thermal) = (Vec::new(), Vec::new(), Vec::new());
-        let end = description.end();
-        for (k, load) in description.loads.iter().enumerate() {
-            let (on_nodes, free_strain) = load::load(description, &discrete, k)?;
-            cases.push(LoadCase::new(dofs.forces(on_nodes.iter().copied()), within(end, &load.factors(end)))?);
-            thermal.extend(free_strain.map(|strain| (strain, k)));
-            forces.push(on_nodes);
-        }
-        add_prescribed(&prescribed, &contacts, (dofs, &rows, &groups, &springs), (&mut cases, &mut motions))?;
-        for (force, history) in joints.tightened(description, dofs, true) {
-            cases.push(LoadCase::new(dofs.forces([force]), history)?);
-        }
-        let on_springs: Vec<_> = prescribed.iter().map(|motion| motion.forces_of_springs(&groups, &springs)).collect();
-        let statics = Statics::new(mesh, dofs, rows, support::shares(holdings), beds.clone(), &forces, &on_springs);
-        let loading = Loading::new(cases, gap)?.with_motions(motions, gap_corrections)?.with_friction(friction)?;
-
-        let recovery = Recovery::new(mesh, &contacts, &contact_boundaries, &pairs.all);
-        let past = |contact: &ContactNode| support::moves_past(&prescribed, dofs, &groups, contact);
-        let ties = [pairs.ties(dofs, joints), holding::ties(couplings, mesh, dofs)].concat();
-        let rigid_motions = unresisted_motions(mesh, dofs, &springs, &ties);
-        let shared = match &sharing {
-            Some((share, body)) => body.stiffness(&contacts, share)?,
-            None => None,
-        };
-        let stiffness = match stiffness.map(Stiffness::from).or(shared) {
-            Some(stiffness) => stiffness,
-            None => assemble(mesh, dofs, *element, law)?.into(),
-        };
-        let rigid_modes = rigid_motions.iter().map(|motion| motion.displacements(mesh, dofs)).collect();
-        let problem = contact_problem(stiffness, &contacts, mu, rigid_modes, dofs.free())?;
-        let passed_by =
-            contacts.iter().map(|contact| motions::passes(contact, mesh.dimension, &obstacles, past)).collect();
-        let mortars = pairs.all.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..]));
-        let passages = Passages::new(mesh, mortars);
-        let beside_the_end = recovery::beside_the_end(mesh, &contacts, &contact_boundaries);
-        let Discrete { mesh, couplings, joints, dofs, materials, pairs, volumes, .. } = discrete;
-        Ok(Model {
-            description: laid_out,
-            mesh,
-            materials,
-            volumes,
-            dofs,
-            contacts,
-            contact_boundaries,
-            obstacles,
-            nearest,
-            pairs: pairs.all,
-            problem,
-            loading,
-            rigid_motions,
-            prescribed,
-            groups,
-            couplings,
-            joints,
-            thermal,
-            statics,
-            recovery,
-            beside_the_end,
-            passages,
-            passed_by,
-            surface: OnceLock::new(),
-        })
+        let stiffness = stiffness.map_or_else(|| discrete.stiffness().map(Stiffness::from), Ok)?;
+        let Discrete { mesh, elements, constraints, holdings, pairs, beds } = discrete;
+        let mu = loading.friction().map_or_else(|| contacts.mu.clone(), FrictionHistory::largest);
+        let problem = contact_problem(&mesh, &constraints, stiffness, &contacts.nodes, mu)?;
+        let statics = Statics::new(&mesh, &constraints, rows, support::shares(&holdings), beds, loads);
+        let contact = ContactGeometry::new(&mesh, &constraints, contacts, nearest, pairs.all);
+        let surface = OnceLock::new();
+        Ok(Model { description, mesh, elements, constraints, contact, loading, statics, problem, surface })
     }
 
     /// Returns the description that the model was built from.
@@ -301,7 +234,7 @@ impl Model {
 
     /// Returns the elastic law of each cell of the mesh.
     pub fn materials(&self) -> &[Elasticity] {
-        &self.materials
+        &self.elements.materials
     }
 
     /// Returns the element formulation.
@@ -316,7 +249,7 @@ impl Model {
 
     /// Returns the key of obstacle `k` of [`Model::obstacles`] in a scene, such as `contact[0].obstacle[1]`.
     pub fn obstacle_key(&self, k: usize) -> String {
-        let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
+        let boundary = self.contact.boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));
         self.description.contacts[contact].obstacle_key(contact, k - first)
     }

@@ -79,7 +79,7 @@ struct SoFar {
 impl SoFar {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
         self.increments += 1;
-        self.touched.resize(model.contacts.len(), false);
+        self.touched.resize(model.contact.nodes.len(), false);
         let statuses = self.touched.iter_mut().zip(step.statuses);
         statuses.for_each(|(touched, status)| *touched |= *status != ContactStatus::Open);
         let indentation = model.pressed(step.record.time, step.state);
@@ -181,7 +181,7 @@ macro_rules! checks {
 
             /// Returns `true` if the checks, restored from a checkpoint, are of `model`.
             pub(super) fn fit(&self, model: &Model) -> bool {
-                self.so_far.touched.len() == model.contacts.len() $(&& self.$check.fits(model))*
+                self.so_far.touched.len() == model.contact.nodes.len() $(&& self.$check.fits(model))*
             }
 
             /// Returns the warnings.
@@ -279,7 +279,7 @@ mod tests {
             .support("top", &[Axis::X, Axis::Y])
             .contact("bottom", 0.3, Obstacle::plane(1e-3));
         let model = Model::build(&plate).unwrap();
-        let (nodes, contacts) = (model.mesh.nodes.len(), model.contacts.len());
+        let (nodes, contacts) = (model.mesh.nodes.len(), model.contact.nodes.len());
         let checks = |contacts: usize, node: usize| Checks {
             so_far: SoFar { touched: vec![false; contacts], ..SoFar::default() },
             passed_through: Largest(Some((1.0, 0.5, Passed { node, bodies: [0, 1], depth: 1.0, apart: 0.0 }))),

@@ -18,7 +18,7 @@ pub(super) fn system(model: &Model, method: Method, options: Option<&str>) -> Sy
 /// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, a node has
 /// two contacts, or there are nodes outside the mesh: reference points, and jumps of joints.
 pub fn grid(model: &Model) -> Option<Grid> {
-    let (mesh, dofs, problem) = (&model.mesh, &model.dofs, &model.problem);
+    let (mesh, dofs, problem) = (&model.mesh, &model.constraints.dofs, &model.problem);
     if dofs.has_nodes_outside() {
         return None;
     }

@@ -160,7 +160,7 @@ impl Run<'_> {
             increments: watches.increments,
             exact_path: method.is_exact_path().then(|| ExactPath::of(outcome)),
             totals,
-            end: ComponentSums::of(model, &outcome.state, (0..model.contacts.len()).map(|i| (i, 1.0))),
+            end: ComponentSums::of(model, &outcome.state, (0..model.contact.nodes.len()).map(|i| (i, 1.0))),
             pairs: PairRecord::all_at(model, outcome.reached, &outcome.state),
             boundaries: Resultant::all(model, outcome.reached, &outcome.state),
             forces: watches.forces,

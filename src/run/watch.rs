@@ -73,12 +73,12 @@ impl Watches {
     pub(super) fn new(model: &Model, cycle: Option<CycleWatch>, jumps: JumpDetector) -> Self {
         let sizes = [
             model.mesh.nodes.len(),
-            model.contacts.len(),
-            model.contact_boundaries.len(),
-            model.pairs.len(),
-            model.obstacles.len(),
+            model.contact.nodes.len(),
+            model.contact.boundaries.len(),
+            model.contact.pairs.len(),
+            model.contact.obstacles.len(),
             model.description().couplings.len(),
-            model.rigid_motions.len(),
+            model.constraints.rigid_motions.len(),
         ];
         Watches { sizes, estimates: EstimateWatch::new(model), cycle, jumps, ..Watches::default() }
     }

@@ -248,7 +248,7 @@ impl Case {
         let mut kinds: Vec<WarningKind> = report.warnings.iter().map(|warning| warning.kind).collect();
         kinds.dedup();
         let automatic = Model::build(&self.description(Slave::Automatic))?;
-        let choice = automatic.pairs[0].choice.map_or(0, |choice| choice.slave);
+        let choice = automatic.contact.pairs[0].choice.map_or(0, |choice| choice.slave);
         let automatic = if choice == 0 { self.slave } else { 1 - self.slave };
         Ok(Statements { found: Found { force, peak }, peak: error, kinds, automatic })
     }

@@ -26,14 +26,14 @@ fn nodal(model: &Model, boundary: &str, exact: impl Fn([f64; 3]) -> f64) -> Vec<
             facet.iter().zip(&shape).for_each(|(&node, n)| at_node[node] += n * stress * area);
         }
     }
-    model.contacts.iter().map(|contact| at_node[contact.node]).collect()
+    model.contact.nodes.iter().map(|contact| at_node[contact.node]).collect()
 }
 
 /// The distance of the contact forces from those of an exact stress on `boundary`, as stresses in the L2 norm:
 /// `√(Σ (p - p_exact)² / l / Σ p_exact² / l)` over the contact nodes.
 pub fn distance(model: &Model, boundary: &str, forces: &[f64], exact: impl Fn([f64; 3]) -> f64) -> f64 {
     let (mut error, mut size) = (0.0, 0.0);
-    for ((contact, found), exact) in model.contacts.iter().zip(forces).zip(nodal(model, boundary, exact)) {
+    for ((contact, found), exact) in model.contact.nodes.iter().zip(forces).zip(nodal(model, boundary, exact)) {
         error += (found - exact).powi(2) / contact.weight;
         size += exact * exact / contact.weight;
     }

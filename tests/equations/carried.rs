@@ -108,7 +108,7 @@ fn a_body_without_load_is_pushed_out() {
             let outcome = agreed(&model, method, 0);
             assert!(outcome.state.p_n.iter().chain(&outcome.state.p_t).all(|p| *p == 0.0));
             let displacement = -gap / 0.96;
-            let moved = model.dofs.displacements(&outcome.state.u);
+            let moved = model.constraints.dofs.displacements(&outcome.state.u);
             let off = moved.iter().map(|u| (u[0] - 0.96 * displacement).abs().max((u[1] - 0.28 * displacement).abs()));
             assert!(off.fold(0.0, f64::max) <= 1e-15 * gap.abs(), "{gap}: {moved:?}");
         }

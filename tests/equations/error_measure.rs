@@ -65,7 +65,7 @@ fn each_component_sees_its_own_violation() {
     };
     let size = 1e-3;
     let near = |error: f64| (0.9 * size..1.1 * size).contains(&error);
-    let dof = |i: usize, c: usize| model.dofs.node(model.contacts[i].node)[c].unwrap();
+    let dof = |i: usize, c: usize| model.constraints.dofs.node(model.contact.nodes[i].node)[c].unwrap();
 
     let tension = measure(&|s| s.p_n[open] = -size * force(open));
     assert!(near(tension.tension) && (0.5 * size..2.0 * size).contains(&tension.equilibrium), "{tension:?}");

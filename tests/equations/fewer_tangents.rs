@@ -32,7 +32,7 @@ fn an_obstacle_that_passes_symmetry_planes() {
         assert_eq!(run_default(&scene, &model, &mut keep).status, Status::Converged, "{along:?}");
         let state = keep.states.last().unwrap();
         let (mut one, mut friction) = (0, [0.0; 2]);
-        for (i, contact) in model.contacts.iter().enumerate() {
+        for (i, contact) in model.contact.nodes.iter().enumerate() {
             let [p_t, p_o] = contact.in_frame([state.p_t[i], state.p_o[i]]);
             let [x, y, _] = contact.position;
             assert!((x < 1.0 || p_t == 0.0) && (y < 1.0 || p_o == 0.0), "{along:?} {:?}", contact.position);
@@ -93,7 +93,7 @@ fn sliding_along_a_corner() {
     let outcome = run_default(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     let (mut edge, state) = (0, &outcome.state);
-    for (i, contact) in model.contacts.iter().enumerate() {
+    for (i, contact) in model.contact.nodes.iter().enumerate() {
         let [x, y, z] = contact.position;
         if x == 1.0 || state.p_n[i] == 0.0 {
             continue;

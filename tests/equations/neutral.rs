@@ -79,7 +79,7 @@ fn a_block_that_rolls() {
         let load = format!("{{ boundary = \"top\", traction = [0, -1e5] }}, {right}");
         let model = on_top("8, 8", cylinder, &load);
         let outcome = agreed(&model, Method::BN, iterations);
-        let carried = model.contacts.iter().zip(&outcome.state.p_n).filter(|(_, p)| **p > 0.0);
+        let carried = model.contact.nodes.iter().zip(&outcome.state.p_n).filter(|(_, p)| **p > 0.0);
         let carried: Vec<(f64, f64)> = carried.map(|(contact, p)| (contact.position[0], *p)).collect();
         assert_eq!(carried.len(), 2, "{carried:?}");
         let (sum, moment) = carried.iter().fold((0.0, 0.0), |(s, m), (x, p)| (s + p, m + (x - 0.5) * p));

@@ -132,7 +132,7 @@ fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
         model.mesh.cells.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
     let material = |element| Elasticity::plane_strain(young[element], 0.3);
-    let stiffness = assemble(&model.mesh, &model.dofs, Element::Bilinear, material).unwrap();
+    let stiffness = assemble(&model.mesh, &model.constraints.dofs, Element::Bilinear, material).unwrap();
     model.problem = common::changed(&model.problem, |parts| parts.stiffness = stiffness.into());
 }
 
@@ -181,7 +181,7 @@ fn random_histories() {
         let mut model = discretise(&scene).unwrap();
         let kind = (r() * 4.0) as usize;
         let (mut friction, mut gaps) = (Vec::new(), Vec::new());
-        for _ in 0..model.contacts.len() {
+        for _ in 0..model.contact.nodes.len() {
             friction.push(match kind {
                 0 => 0.4,
                 1 => r(),
@@ -244,7 +244,7 @@ fn no_equilibrium() {
     let (model, outcomes) = run("load[1].traction=[-6e6,0]");
     for outcome in outcomes {
         assert_eq!(outcome.status, Status::Slips);
-        let motion = RigidMotion::combination(&model.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
+        let motion = RigidMotion::combination(&model.constraints.rigid_motions, &outcome.free_motion.unwrap()).unwrap();
         assert!(motion.to_string().contains("translation"), "{motion}");
     }
     let (model, times) =

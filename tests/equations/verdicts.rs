@@ -58,7 +58,7 @@ const CORNER: &str = r#"
 fn a_block_in_a_corner() {
     let scene = parsed(CORNER);
     let model = discretise(&scene).unwrap();
-    assert_eq!((model.rigid_motions.len(), model.contacts.len()), (3, 14));
+    assert_eq!((model.constraints.rigid_motions.len(), model.contact.nodes.len()), (3, 14));
     let outcome = common::run(&scene, &model, &mut ());
     assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
     assert_eq!((outcome.layout.contacts(), outcome.layout.tangentials()), (14, 14));
@@ -83,7 +83,8 @@ fn towards_a_wall(wall: f64, setting: &str) -> (Model, HistoryOutcome) {
 /// The free motion that a verdict blames, without the sign of its direction.
 fn blamed(model: &Model, outcome: &HistoryOutcome) -> String {
     let weights = outcome.free_motion.as_ref().unwrap();
-    let motion = stickslip::body::constraints::RigidMotion::combination(&model.rigid_motions, weights).unwrap();
+    let motion =
+        stickslip::body::constraints::RigidMotion::combination(&model.constraints.rigid_motions, weights).unwrap();
     motion.to_string().replace('-', "")
 }
 
@@ -94,7 +95,7 @@ fn sliding_to_a_wall_is_an_equilibrium() {
         let (model, outcome) = towards_a_wall(1.0, setting);
         assert_eq!(outcome.status, Status::Converged, "{setting}: {:?}", outcome.records.last());
         assert_eq!(outcome.records.len(), 4);
-        let u = model.dofs.displacements(&outcome.state.u);
+        let u = model.constraints.dofs.displacements(&outcome.state.u);
         assert!(u.into_iter().all(|u| (u[0] - 1.0).abs() < 1e-3));
         let (_, near) = towards_a_wall(1e-3, setting);
         assert!(apart(&outcome.state.p_n, &near.state.p_n) < 1e-9, "{setting}");

@@ -50,7 +50,7 @@ pub struct SurfaceNode {
 impl ContactSurface {
     /// Returns the contact surfaces of a step, one for each boundary with contact; none in two dimensions.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
-        let boundaries = model.contact_boundaries.iter().filter(|_| model.mesh.dimension == 3);
+        let boundaries = model.contact.boundaries.iter().filter(|_| model.mesh.dimension == 3);
         boundaries.filter_map(|boundary| Self::new(model, step, boundary)).collect()
     }
 
@@ -74,7 +74,7 @@ impl ContactSurface {
             });
         }
         for (node, normal) in normals(model, facets) {
-            let free = model.dofs.held(node).fold(normal, across);
+            let free = model.constraints.dofs.held(node).fold(normal, across);
             nodes[number[node]?].held = norm(free) < HELD * norm(normal);
         }
         let state = step.state;
@@ -82,7 +82,7 @@ impl ContactSurface {
         let [sigma_n, sigma_t, sigma_o] = [&state.p_n, &state.p_t, &state.p_o]
             .map(|p| if recovered.is_none() { model.over_weights(|i| p[i]) } else { Vec::new() });
         for &i in &boundary.nodes {
-            let contact = &model.contacts[i];
+            let contact = &model.contact.nodes[i];
             let [t, o] = contact.facing.tangents;
             let node = &mut nodes[number[contact.node]?];
             (node.pressure, node.traction) = match &recovered {
@@ -103,7 +103,7 @@ impl ContactSurface {
             close(&mut facets, &mut nodes, std::f64::consts::PI * cylinder.radius);
         }
         Some(ContactSurface {
-            boundary: (model.contact_boundaries.len() > 1).then(|| boundary.name.clone()),
+            boundary: (model.contact.boundaries.len() > 1).then(|| boundary.name.clone()),
             index: step.record.index,
             time: step.record.time,
             axes: cylinder.as_ref().map_or(axes, |cylinder| [cylinder.zero[0], cylinder.axis]),
@@ -163,8 +163,10 @@ const HELD: f64 = 1e-6;
 /// normal, or the first one if the mean vanishes.
 fn view(model: &Model, boundary: &ContactBoundary) -> [f64; 3] {
     let normals: Vec<[f64; 3]> = match boundary.pair {
-        None => model.obstacles[boundary.obstacles.clone()].iter().map(|(obstacle, _)| obstacle.normal).collect(),
-        Some(_) => boundary.nodes.iter().map(|&i| model.contacts[i].facing.normal).collect(),
+        None => {
+            model.contact.obstacles[boundary.obstacles.clone()].iter().map(|(obstacle, _)| obstacle.normal).collect()
+        }
+        Some(_) => boundary.nodes.iter().map(|&i| model.contact.nodes[i].facing.normal).collect(),
     };
     let [first, others @ ..] = &normals[..] else { return axis(2) };
     let sum = others.iter().fold(*first, |sum, other| plus(sum, 1.0, *other));

@@ -40,7 +40,7 @@ pub fn bytes_on_disk(scene: &Scene, model: &Model) -> u64 {
     };
     let probes: usize = scene.output.probes.iter().map(points).sum();
     let nodes = model.mesh.nodes.len();
-    let pictures = of.contacts.len() * PICTURE + model.contacts.len() * NODE;
+    let pictures = of.contacts.len() * PICTURE + model.contact.nodes.len() * NODE;
     let fields = if scene.output.fields { nodes * FIELDS } else { 0 };
     let deformed = if scene.output.deformed { PICTURE + nodes * DEFORMED } else { 0 };
     let state = if model.mesh.dimension == 2 { nodes * STATE } else { 0 };

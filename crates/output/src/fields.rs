@@ -30,8 +30,8 @@ pub fn fields(model: &Model, step: &IncrementView<'_>) -> Grid {
     let (displacements, factors) = deformation(model, step);
     let mut point_fields = vec![real("displacement", 3, displacements.iter().flatten().copied().collect())];
     let mut at_nodes = model.nodal_stresses(&factors, &displacements);
-    if !model.contacts.is_empty() {
-        let contact: Vec<ContactPoint> = points(model, 0..model.contacts.len(), step);
+    if !model.contact.nodes.is_empty() {
+        let contact: Vec<ContactPoint> = points(model, 0..model.contact.nodes.len(), step);
         for point in &contact {
             at_nodes[point.node] = point.stress;
         }
@@ -90,7 +90,7 @@ fn contact_fields(model: &Model, step: &IncrementView<'_>, points: &[ContactPoin
     let mut patches = false;
     let (mut traction, mut slip) = (vec![[f64::NAN; 3]; n], vec![[f64::NAN; 3]; n]);
     let (mut gap, mut status) = (vec![f64::NAN; n], vec![-1; n]);
-    for (contact, point) in model.contacts.iter().zip(points) {
+    for (contact, point) in model.contact.nodes.iter().zip(points) {
         let node = contact.node;
         if pressure[node] >= point.sigma_n {
             continue;
@@ -135,7 +135,7 @@ fn contact_fields(model: &Model, step: &IncrementView<'_>, points: &[ContactPoin
 /// Returns the unit outward normal at each node of a master, the mean over its facets.
 fn nodal_normals(model: &Model) -> Vec<[f64; 3]> {
     let mut normals = vec![[0.0; 3]; model.mesh.nodes.len()];
-    for boundary in model.pairs.iter().map(|pair| &pair.master) {
+    for boundary in model.contact.pairs.iter().map(|pair| &pair.master) {
         for facet in &boundary.facets {
             let area = model.mesh.area_vector(facet);
             for &node in facet {

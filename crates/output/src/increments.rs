@@ -61,7 +61,7 @@ pub(super) fn events_header(dimension: usize) -> String {
 
 /// Formats the line of a contact node that changes its status in increment `index`.
 pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
-    let node = model.contacts.get(event.node).map_or(0, |contact| contact.node);
+    let node = model.contact.nodes.get(event.node).map_or(0, |contact| contact.node);
     let position = &model.mesh.nodes[node][..model.mesh.dimension];
     let mut fields = vec![csv_number(event.time), index.to_string(), node.to_string()];
     fields.extend(POSITION.iter().zip(position).map(|(column, x)| column.cell(&model.units(), *x)));

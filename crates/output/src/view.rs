@@ -141,7 +141,7 @@ pub(crate) fn head(model: &Model, view: Option<&View>, probes: &[&str]) -> Strin
     };
     let head = json!({
         "units": (!units.is_si() || units.depth == Depth::Unit).then(names),
-        "boundaries": model.contact_boundaries.iter().map(|boundary| &boundary.name).collect::<Vec<_>>(),
+        "boundaries": model.contact.boundaries.iter().map(|boundary| &boundary.name).collect::<Vec<_>>(),
         "probes": probes,
         "mesh": view.map(|view| view.mesh(model)),
     });

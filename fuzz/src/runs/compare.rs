@@ -21,7 +21,7 @@ pub(super) fn sorted(solved: &Solved, increment: usize) -> Places {
 fn by_place(solved: &Solved, increment: usize, place: impl Fn([f64; 3]) -> [f64; 3]) -> Places {
     let mut places = Places::new();
     let (state, size) = (&solved.increments[increment].state, solved.model.mesh.size());
-    for (i, contact) in solved.model.contacts.iter().enumerate() {
+    for (i, contact) in solved.model.contact.nodes.iter().enumerate() {
         // No node is where one place ends and another begins.
         let key = place(contact.position).map(|x| (1e6 * x / size + 0.37).floor() as i64);
         let forces = places.entry(key).or_insert([0.0; 2]);

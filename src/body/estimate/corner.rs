@@ -35,10 +35,10 @@ impl<'a> Corners<'a> {
     /// Creates the corners at `time` (s).
     pub fn new(model: &'a Model, graph: &'a ContactGraph, time: f64) -> Self {
         let rows = model.loading.gaps_at(time);
-        let gaps = (0..model.contacts.len()).map(|i| model.nodal_gap(i, time, &rows)).collect();
+        let gaps = (0..model.contact.nodes.len()).map(|i| model.nodal_gap(i, time, &rows)).collect();
         let mut sides: BTreeMap<usize, Vec<Facet>> =
-            model.contacts.iter().map(|contact| (contact.node, Vec::new())).collect();
-        let glued = model.pairs.iter().filter(|pair| pair.glued).flat_map(|pair| pair.mortar.sides().concat());
+            model.contact.nodes.iter().map(|contact| (contact.node, Vec::new())).collect();
+        let glued = model.contact.pairs.iter().filter(|pair| pair.glued).flat_map(|pair| pair.mortar.sides().concat());
         let glued: BTreeSet<Facet> = glued.map(|facet| sorted(&facet)).collect();
         let surface = model.mesh.surface_at(|node| sides.contains_key(&node)).into_iter();
         for (facet, _) in surface.filter(|(facet, _)| !glued.contains(&sorted(facet))) {
@@ -60,9 +60,9 @@ impl<'a> Corners<'a> {
     /// Returns `true` if two sides of the body form a corner at contact node `i`.
     fn of_body(&self, i: usize) -> bool {
         let Corners { model, graph, .. } = self;
-        let node = model.contacts[i].node;
+        let node = model.contact.nodes[i].node;
         let cut = |normal: [f64; 3]| {
-            graph.mirrored[i] && model.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
+            graph.mirrored[i] && model.constraints.dofs.held(node).any(|held| dot(held, normal).abs() > IN_PLANE)
         };
         let sides = self.sides.get(&node).into_iter().flatten();
         let normals: Vec<[f64; 3]> =
@@ -74,7 +74,7 @@ impl<'a> Corners<'a> {
     /// the nodes, too; there the pressure is finite, and a finer mesh helps.
     fn of_obstacle(&self, i: usize, closed: impl Fn(usize) -> bool) -> bool {
         let slope = |j: usize| {
-            let length = norm(minus(self.model.contacts[j].position, self.model.contacts[i].position));
+            let length = norm(minus(self.model.contact.nodes[j].position, self.model.contact.nodes[i].position));
             ((self.gaps[j] - self.gaps[i]) / length).atan()
         };
         let neighbours = self.graph.neighbours[i].iter().copied();
@@ -94,15 +94,15 @@ impl<'a> Corners<'a> {
     /// over `i` to `outer`; `None` if the obstacle is not in front of all of it.
     fn sharpest_turn(&self, i: usize, inner: Option<usize>, outer: usize) -> Option<f64> {
         let Corners { model, time, .. } = self;
-        let boundary = model.contact_boundaries.iter().find(|boundary| boundary.nodes.contains(&i))?;
-        let at = model.contacts[i].position;
-        let beside = |j: usize, share: f64| plus(at, share, minus(model.contacts[j].position, at));
+        let boundary = model.contact.boundaries.iter().find(|boundary| boundary.nodes.contains(&i))?;
+        let at = model.contact.nodes[i].position;
+        let beside = |j: usize, share: f64| plus(at, share, minus(model.contact.nodes[j].position, at));
         let shares = || (1..=PIECES).map(|piece| f64::from(piece) / f64::from(PIECES));
         let before = inner.into_iter().flat_map(|j| shares().rev().map(move |share| (j, share)));
         let line =
             before.map(|(j, share)| beside(j, share)).chain([at]).chain(shares().map(|share| beside(outer, share)));
         let points: Vec<[f64; 3]> = line.collect();
-        let outward = model.contacts[i].facing.normal;
+        let outward = model.contact.nodes[i].facing.normal;
         let gap = |x: &[f64; 3]| model.nearest_obstacle(boundary, *time, *x, [0.0; 3], outward).distance;
         let gaps: Vec<f64> = points.iter().map(gap).collect();
         let slopes: Vec<f64> = (points.windows(2).zip(gaps.windows(2)))

@@ -41,7 +41,7 @@ pub(crate) struct ContactPatch {
 impl ContactGraph {
     /// Creates the graph of the contact nodes of `model`.
     pub fn new(model: &Model) -> Self {
-        let n = model.contacts.len();
+        let n = model.contact.nodes.len();
         let mut graph = vec![BTreeSet::new(); n];
         let mut link = |i: usize, j: usize| {
             if i != j {
@@ -49,9 +49,9 @@ impl ContactGraph {
                 graph[j].insert(i);
             }
         };
-        let mut together = UnionFind::new(model.contact_boundaries.len());
+        let mut together = UnionFind::new(model.contact.boundaries.len());
         let mut first_of = vec![None; n];
-        for (b, boundary) in model.contact_boundaries.iter().enumerate() {
+        for (b, boundary) in model.contact.boundaries.iter().enumerate() {
             for &i in &boundary.nodes {
                 together.join(b, *first_of[i].get_or_insert(b));
             }
@@ -67,12 +67,13 @@ impl ContactGraph {
         }
         let facets_of = |boundary: &ContactBoundary| model.mesh.facets_of(&boundary.name);
         let touching: BTreeSet<usize> =
-            model.contact_boundaries.iter().flat_map(facets_of).flatten().copied().collect();
+            model.contact.boundaries.iter().flat_map(facets_of).flatten().copied().collect();
         // The sides of facets, by the contact nodes of their ends, with the facets at each, and those on seams.
         let (mut sides, mut on_seams) = (BTreeMap::<[Vec<usize>; 2], usize>::new(), BTreeSet::new());
-        for boundary in &model.contact_boundaries {
-            let contact: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
-            let alike = |node: usize| model.dofs.moving_alike(node);
+        for boundary in &model.contact.boundaries {
+            let contact: BTreeMap<usize, usize> =
+                boundary.nodes.iter().map(|&i| (model.contact.nodes[i].node, i)).collect();
+            let alike = |node: usize| model.constraints.dofs.moving_alike(node);
             let by_motion: BTreeMap<usize, usize> = contact.iter().map(|(&node, &i)| (alike(node), i)).collect();
             let own = |node: usize| contact.get(&node).or_else(|| by_motion.get(&alike(node))).copied();
             for facet in facets_of(boundary) {
@@ -101,14 +102,14 @@ impl ContactGraph {
                 }
             }
         }
-        let mirrored: Vec<bool> = (model.contacts.iter())
+        let mirrored: Vec<bool> = (model.contact.nodes.iter())
             .map(|contact| {
                 let normal = contact.facing.normal;
                 let in_the_way = |held: [f64; 3]| dot(held, normal).abs() < ALONG;
                 // In two dimensions, z is held, too.
                 let held = match contact.coupled() {
                     Some(coupled) => coupled.still.clone(),
-                    None => model.dofs.held(contact.node).collect(),
+                    None => model.constraints.dofs.held(contact.node).collect(),
                 };
                 held.into_iter().filter(|held| in_the_way(*held)).count() > 3 - model.mesh.dimension
             })
@@ -127,7 +128,7 @@ impl ContactGraph {
             rim
         };
         let mut patches: BTreeMap<usize, (Vec<&str>, BTreeSet<usize>)> = BTreeMap::new();
-        for (b, boundary) in model.contact_boundaries.iter().enumerate() {
+        for (b, boundary) in model.contact.boundaries.iter().enumerate() {
             let (names, nodes) = patches.entry(together.least(b)).or_default();
             names.push(&boundary.name);
             nodes.extend(&boundary.nodes);
@@ -157,7 +158,7 @@ impl ContactGraph {
     /// Returns the mean pressure (Pa) of the forces `p_n` (N) on contact node `i` and its neighbours: `Σ p_n / Σ l`.
     pub(super) fn patch_pressure(&self, model: &Model, p_n: &[f64], i: usize) -> f64 {
         let around = || self.neighbours[i].iter().chain([&i]);
-        around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contacts[j].weight).sum::<f64>()
+        around().map(|&j| p_n[j]).sum::<f64>() / around().map(|&j| model.contact.nodes[j].weight).sum::<f64>()
     }
 
     /// Returns the patch pressures of all contact nodes.
@@ -222,7 +223,7 @@ impl Seams {
             sharing.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
             (row.node, sharing.into_iter().map(|(node, _)| *node).collect())
         };
-        let glued = model.pairs.iter().filter(|pair| pair.glued);
+        let glued = model.contact.pairs.iter().filter(|pair| pair.glued);
         Seams(glued.map(|pair| pair.mortar.rows.iter().map(masters).collect()).collect())
     }
 
@@ -251,9 +252,9 @@ impl Seams {
 
     /// Returns the contact nodes to which contact node `i` is tied and whose normals are about its own.
     fn tied(&self, model: &Model, i: usize) -> Vec<usize> {
-        let own = &model.contacts[i];
+        let own = &model.contact.nodes[i];
         let goes_on = |other: &ContactNode| dot(own.facing.normal, other.facing.normal) > CORNER.cos();
-        let others = |node: usize| model.contacts.iter().enumerate().filter(move |(_, other)| other.node == node);
+        let others = |node: usize| model.contact.nodes.iter().enumerate().filter(move |(_, other)| other.node == node);
         let all = self.masters(own.node).flat_map(others);
         all.filter(|(_, other)| goes_on(other)).map(|(j, _)| j).collect()
     }

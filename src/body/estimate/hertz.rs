@@ -44,14 +44,14 @@ impl HertzContact {
     pub(super) fn under(model: &Model, time: f64, p_n: &[f64], closed: &[usize], peak: usize) -> Option<Self> {
         let assigned = |i: usize| model.assigned(i, time).map(|(k, _)| k);
         let obstacle = assigned(peak)?;
-        let Round { radius, centre, axis } = model.obstacles[obstacle].0.roundness()?;
+        let Round { radius, centre, axis } = model.contact.obstacles[obstacle].0.roundness()?;
         let nodes: Vec<usize> = closed.iter().copied().filter(|&i| assigned(i) == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
-        let modulus = modulus(model, model.contacts[peak].node)?;
+        let modulus = modulus(model, model.contact.nodes[peak].node)?;
         if model.mesh.geometry == Geometry::Axisymmetric {
             // The force is that of the full circumference. Hertz's solution does not apply to a ring of contact.
             let on_axis =
-                centre[0].abs() <= SAME * radius && nodes.iter().any(|&i| model.contacts[i].position[0] == 0.0);
+                centre[0].abs() <= SAME * radius && nodes.iter().any(|&i| model.contact.nodes[i].position[0] == 0.0);
             return on_axis.then(|| Self::of_point(force, radius, modulus));
         }
         let force = force * f64::from(mirrors(model, &nodes, axis));
@@ -59,7 +59,7 @@ impl HertzContact {
             None => Some(Self::of_point(force, radius, modulus)),
             Some(_) if model.mesh.dimension == 2 => Some(Self::of_line(force, radius, modulus)),
             Some(axis) => {
-                let along = nodes.iter().map(|&i| dot(model.contacts[i].position, axis));
+                let along = nodes.iter().map(|&i| dot(model.contact.nodes[i].position, axis));
                 let (first, last) =
                     along.fold((f64::INFINITY, f64::NEG_INFINITY), |(first, last), s| (first.min(s), last.max(s)));
                 (last > first).then(|| Self::of_line(force / (last - first), radius, modulus))
@@ -73,8 +73,8 @@ impl HertzContact {
 fn mirrors(model: &Model, nodes: &[usize], axis: Option<[f64; 3]>) -> u8 {
     let mut planes: Vec<[f64; 3]> = Vec::new();
     for &i in nodes {
-        let normal = model.contacts[i].facing.normal;
-        for held in model.dofs.held(model.contacts[i].node) {
+        let normal = model.contact.nodes[i].facing.normal;
+        for held in model.constraints.dofs.held(model.contact.nodes[i].node) {
             let new = planes.iter().chain(&axis).all(|plane| norm(cross(*plane, held)) > SAME);
             let in_space = model.mesh.dimension == 3 || held[2] == 0.0;
             if new && in_space && dot(held, normal).abs() < super::graph::ALONG && planes.len() < 2 {

@@ -83,7 +83,7 @@ impl<'a> Strains<'a> {
         let natural = model.problem.natural();
         let mut parts = vec![Vec::new(); natural.parts.max(1)];
         for (e, cell) in model.mesh.cells.iter().enumerate() {
-            let free = cell.nodes.iter().flat_map(|&node| model.dofs.node(node)).flatten().next();
+            let free = cell.nodes.iter().flat_map(|&node| model.constraints.dofs.node(node)).flatten().next();
             // A cell without a free displacement counts with the first part.
             parts[free.map_or(0, |&dof| natural.part[dof])].push(e);
         }

@@ -247,7 +247,7 @@ fn nodes_across(
 
 /// Returns the mean distance of contact node `i` to its neighbours, m.
 fn element_size(model: &Model, graph: &ContactGraph, i: usize) -> f64 {
-    let distance = |j: &usize| norm(minus(model.contacts[*j].position, model.contacts[i].position));
+    let distance = |j: &usize| norm(minus(model.contact.nodes[*j].position, model.contact.nodes[i].position));
     let neighbours = &graph.neighbours[i];
     neighbours.iter().map(distance).sum::<f64>() / neighbours.len() as f64
 }
@@ -259,8 +259,8 @@ fn edge_ratio(model: &Model, graph: &ContactGraph, zone: &[usize]) -> Option<f64
         return None;
     }
     let ratio = |&i: &usize| {
-        let (node, from) = (model.contacts[i].node, model.contacts[i].position);
-        let inside = minus(from, model.contacts[*graph.neighbours[i].first()?].position);
+        let (node, from) = (model.contact.nodes[i].node, model.contact.nodes[i].position);
+        let inside = minus(from, model.contact.nodes[*graph.neighbours[i].first()?].position);
         let outside = (model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&node)))
             .flat_map(|cell| cell.nodes.iter().map(|&other| minus(model.mesh.nodes[other], from)))
             .filter(|beyond| norm(*beyond) > 0.0 && dot(unit(*beyond), unit(inside)) > STRAIGHT)
@@ -328,16 +328,17 @@ impl StickZone {
         let zones = zones(model, graph, &surface.nodes, p_n);
         let (zone, across) = zones.into_iter().max_by(|a, b| sum(&a.0).total_cmp(&sum(&b.0)))?;
         let area = |at_the_limit: bool| {
-            let with_friction = zone.iter().filter(|&&i| !model.contacts[i].tangents[0].is_empty());
+            let with_friction = zone.iter().filter(|&&i| !model.contact.nodes[i].tangents[0].is_empty());
             with_friction
                 .filter(|&&i| is_at_the_limit(i) == at_the_limit)
-                .map(|&i| model.contacts[i].weight)
+                .map(|&i| model.contact.nodes[i].weight)
                 .sum::<f64>()
         };
         let (stick, slip) = (area(false), area(true));
         let share = stick / (stick + slip);
         // Around an axis, as in three dimensions, areas grow with the square of the width.
-        let disc = model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contacts[i].node));
+        let disc =
+            model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contact.nodes[i].node));
         let ratio = if disc { share.sqrt() } else { share };
         let along = if model.mesh.dimension == 3 { zone.len().isqrt() } else { zone.len() };
         let n = across.unwrap_or(along);

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
 use super::Model;
+use super::constraints::Constraints;
+use super::load::FreeStrain;
 use super::support::PrescribedMotion;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::constraints::{Dofs, HeldRows};
@@ -90,7 +92,7 @@ pub struct Balance {
     pub size: f64,
 }
 
-/// The data of the balance.
+/// The forces that act on a body at factor 1, for its balance.
 #[derive(Debug, Clone)]
 pub(super) struct Statics {
     rows: HeldRows,
@@ -112,18 +114,21 @@ struct UnitLoad {
     size: f64,
     /// Its force on each node, N.
     at_nodes: NodalForces,
+    /// The stress-free strain, if it is thermal.
+    free_strain: Option<FreeStrain>,
 }
 
 impl Statics {
     pub(super) fn new(
         mesh: &Mesh,
-        dofs: &Dofs,
+        constraints: &Constraints,
         rows: HeldRows,
         shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
         springs: Vec<Vec<Spring>>,
-        loads: &[NodalForces],
-        on_springs: &[NodalForces],
+        loads: Vec<(NodalForces, Option<FreeStrain>)>,
     ) -> Self {
+        let Constraints { dofs, prescribed, groups, .. } = constraints;
+        let all: Vec<Spring> = springs.iter().flatten().cloned().collect();
         let at_nodes = |forces: &NodalForces| {
             let mut sums = BTreeMap::<usize, [f64; 3]>::new();
             for (node, force) in forces {
@@ -132,13 +137,14 @@ impl Statics {
             }
             sums.into_iter().collect()
         };
-        let acting = |forces: &NodalForces| {
+        let acting = |(forces, free_strain): (NodalForces, Option<FreeStrain>)| {
             let whole = forces.iter().map(|(node, force)| Wrench::on(mesh, dofs, *node, *force)).sum();
-            UnitLoad { whole, size: forces.iter().map(|(_, force)| norm(*force)).sum(), at_nodes: at_nodes(forces) }
+            let size = forces.iter().map(|(_, force)| norm(*force)).sum();
+            UnitLoad { whole, size, at_nodes: at_nodes(&forces), free_strain }
         };
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
-        let of_loads = |forces: &NodalForces| forces.iter().map(|(node, _)| *node).collect();
+        let of_loads = |(forces, _): &(NodalForces, _)| forces.iter().map(|(node, _)| *node).collect();
         let mut nodes: [Vec<Vec<usize>>; 3] = [
             shares.iter().map(of_supports).collect(),
             springs.iter().map(of_springs).collect(),
@@ -151,9 +157,14 @@ impl Statics {
             nodes.sort_unstable();
             nodes.dedup();
         }
-        let loads = loads.iter().map(acting).collect();
-        let on_springs = on_springs.iter().map(at_nodes).collect();
+        let loads = loads.into_iter().map(acting).collect();
+        let on_springs = prescribed.iter().map(|motion| at_nodes(&motion.forces_of_springs(groups, &all))).collect();
         Statics { rows, shares, springs, loads, nodes, on_springs }
+    }
+
+    /// Returns the stress-free strain of each thermal load at factor 1, with the number of the load.
+    pub(super) fn free_strains(&self) -> impl Iterator<Item = (usize, &FreeStrain)> {
+        self.loads.iter().enumerate().filter_map(|(k, load)| Some((k, load.free_strain.as_ref()?)))
     }
 
     /// Returns all springs; foundations have one for each facet.
@@ -169,26 +180,14 @@ impl Model {
     /// # Errors
     /// [`ProblemError`] if the length of `u` is wrong.
     pub fn displacements(&self, t: f64, u: &[f64]) -> Result<Vec<[f64; 3]>, ProblemError> {
-        expect_length("u", self.dofs.free(), u.len(), "one for each displacement")?;
+        expect_length("u", self.constraints.dofs.free(), u.len(), "one for each displacement")?;
         Ok(self.displaced(t, u))
     }
 
     /// Returns the displacements of all nodes of the mesh; the length of `u` is not checked.
     pub(crate) fn displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
-        let mut all = self.all_displaced(t, u);
+        let mut all = self.constraints.displaced(t, u);
         all.truncate(self.mesh.nodes.len());
-        all
-    }
-
-    /// Returns the displacements of all nodes, those of reference points last.
-    pub(super) fn all_displaced(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
-        let mut all = self.strained(t, u);
-        let offsets: Vec<[f64; 3]> = (0..self.groups.count).map(|group| self.offset(group, t)).collect();
-        if offsets.iter().any(|offset| *offset != [0.0; 3]) {
-            for (node, u) in all.iter_mut().enumerate() {
-                *u = plus(*u, 1.0, offsets[self.groups.of_node[node]]);
-            }
-        }
         all
     }
 
@@ -198,43 +197,34 @@ impl Model {
         self.statics.loads.iter().map(|load| load.whole.force)
     }
 
-    /// Returns the displacements of all nodes relative to the rigid offset by supports, to which gaps refer.
-    pub(super) fn strained(&self, t: f64, u: &[f64]) -> Vec<[f64; 3]> {
-        let mut all = self.dofs.displacements(u);
-        for motion in &self.prescribed {
-            add(&mut all, motion.factor(t), motion.deviation.iter().copied().enumerate());
-        }
-        all
-    }
-
-    /// Returns the rigid offset of the bodies of a group by supports at time `t` (s), m.
-    fn offset(&self, group: usize, t: f64) -> [f64; 3] {
-        [0, 1, 2].map(|c| self.prescribed.iter().map(|motion| motion.factor(t) * motion.offset[group][c]).sum())
-    }
-
     /// Returns the prescribed displacement of contact node `i` along its normal beyond the rigid offset, m; its gap
     /// refers to this position.
     pub(super) fn normal_deviation(&self, i: usize, t: f64) -> f64 {
-        let ContactNode { node, facing, .. } = &self.contacts[i];
-        self.prescribed.iter().map(|motion| motion.factor(t) * dot(motion.deviation[*node], facing.normal)).sum()
+        let ContactNode { node, facing, .. } = &self.contact.nodes[i];
+        self.constraints
+            .prescribed
+            .iter()
+            .map(|motion| motion.factor(t) * dot(motion.deviation[*node], facing.normal))
+            .sum()
     }
 
     /// Returns the displacement of contact node `i` by supports along its normal and its tangents at time `t` (s), in
     /// addition to that of its unknowns, m.
     pub(crate) fn moved(&self, i: usize, t: f64) -> [f64; 3] {
-        let contact = &self.contacts[i];
+        let contact = &self.contact.nodes[i];
         let directions = [contact.facing.normal, contact.facing.tangents[0], contact.facing.tangents[1]];
         let coupled = contact.coupled().is_some();
         // A rigid offset of both bodies causes no relative motion.
-        let offset = if coupled { [0.0; 3] } else { self.offset(self.groups.of_node[contact.node], t) };
+        let offset =
+            if coupled { [0.0; 3] } else { self.constraints.offset(self.constraints.groups.of_node[contact.node], t) };
         let of = |motion: &PrescribedMotion| {
             if coupled {
-                return motion.deviation_of(&self.dofs, &self.groups, contact);
+                return motion.deviation_of(&self.constraints.dofs, &self.constraints.groups, contact);
             }
             directions.map(|n| dot(motion.deviation[contact.node], n))
         };
         let mut sum = directions.map(|n| dot(offset, n));
-        for motion in &self.prescribed {
+        for motion in &self.constraints.prescribed {
             let (factor, deviation) = (motion.factor(t), of(motion));
             (0..3).for_each(|c| sum[c] += factor * deviation[c]);
         }
@@ -244,24 +234,24 @@ impl Model {
     /// Returns the gap (m) of contact node `i` at time `t` (s) that belongs to the displacement of the node itself.
     /// `of_rows` (n_c) are the gaps of the rows, which on boundaries of second order combine several nodes.
     pub(crate) fn nodal_gap(&self, i: usize, t: f64, of_rows: &[f64]) -> f64 {
-        let contact = &self.contacts[i];
+        let contact = &self.contact.nodes[i];
         let Some((k, facing)) = self.assigned(i, t) else { return self.of_node_from_rows(i, |j| of_rows[j]) };
         if contact.is_single() {
             return of_rows[i];
         }
-        let (obstacle, motion) = &self.obstacles[k];
+        let (obstacle, motion) = &self.contact.obstacles[k];
         motion.exact_gap(obstacle, t, contact.position, &facing) - self.normal_deviation(i, t)
     }
 
     /// Returns the force (N) of the body on the opposite side at contact node `i`, from the contact forces of `state`.
     pub(crate) fn contact_force(&self, state: &State, i: usize) -> [f64; 3] {
-        force_along(&self.contacts[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
+        force_along(&self.contact.nodes[i].facing, [state.p_n[i], state.p_t[i], state.p_o[i]])
     }
 
     /// Returns the total force (N) on the opposite side of all nodes in the rows of contact node `i`. On boundaries of
     /// second order the nodes have different normals.
     pub(crate) fn force_of_row(&self, state: &State, i: usize) -> [f64; 3] {
-        if self.contacts[i].is_single() {
+        if self.contact.nodes[i].is_single() {
             return self.contact_force(state, i);
         }
         self.forces_of_rows(state, i).fold([0.0; 3], |sum, (_, force)| plus(sum, 1.0, force))
@@ -270,7 +260,7 @@ impl Model {
     /// Returns the force (N) on the opposite side of each node in the rows of contact node `i`.
     pub(crate) fn forces_of_rows(&self, state: &State, i: usize) -> impl Iterator<Item = (Term, [f64; 3])> + '_ {
         let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
-        self.contacts[i].terms().map(move |term| {
+        self.contact.nodes[i].terms().map(move |term| {
             let force = force_along(&term.facing, p);
             (term, if term.coefficient == 1.0 { force } else { force.map(|f| term.coefficient * f) })
         })
@@ -290,23 +280,23 @@ impl Model {
     pub(crate) fn balanced(&self, t: f64, state: &State) -> Balance {
         let Statics { rows, shares, springs, loads, on_springs, .. } = &self.statics;
         let (strained, u_rest) = if state.u_rest.is_empty() {
-            (self.strained(t, &state.u), Vec::new())
+            (self.constraints.strained(t, &state.u), Vec::new())
         } else {
             let (u, u_rest) = self.problem.strained(state);
-            (self.strained(t, &u), self.dofs.displacements(&u_rest))
+            (self.constraints.strained(t, &u), self.constraints.dofs.displacements(&u_rest))
         };
         let mut forces = rows.forces(&strained, &u_rest);
         let factors: Vec<f64> = self.loading.cases().iter().take(loads.len()).map(|case| case.factor(t)).collect();
         for (load, factor) in loads.iter().zip(&factors) {
             add(&mut forces, -factor, load.at_nodes.iter().copied());
         }
-        for (motion, at_nodes) in self.prescribed.iter().zip(on_springs) {
+        for (motion, at_nodes) in self.constraints.prescribed.iter().zip(on_springs) {
             add(&mut forces, -motion.factor(t), at_nodes.iter().copied());
         }
         let geometry = self.mesh.geometry;
         let mut size = 0.0;
         let mut contact = Wrench::default();
-        for i in 0..self.contacts.len() {
+        for i in 0..self.contact.nodes.len() {
             size += norm(self.contact_force(state, i));
             for (term, force) in self.forces_of_rows(state, i) {
                 contact += Wrench::at(geometry, term.position, force.map(|f| -f));
@@ -316,18 +306,19 @@ impl Model {
         // Forces that glue transfers to held nodes act on their supports, those on jumps on their sections.
         let mut glue = Wrench::default();
         let mut sections = vec![Wrench::default(); self.description.pretensions.len()];
-        for node in self.dofs.followers().into_iter().rev() {
-            let free = self.dofs.free_axes(node).into_iter();
+        for node in self.constraints.dofs.followers().into_iter().rev() {
+            let free = self.constraints.dofs.free_axes(node).into_iter();
             let passed = free.fold([0.0; 3], |sum, n| plus(sum, dot(forces[node], n), n));
-            let parts = self.dofs.passed_on(node, passed);
-            let (jumps, in_mesh): (Vec<_>, Vec<_>) = parts.iter().partition(|(other, _)| self.dofs.is_jump(*other));
+            let parts = self.constraints.dofs.passed_on(node, passed);
+            let (jumps, in_mesh): (Vec<_>, Vec<_>) =
+                parts.iter().partition(|(other, _)| self.constraints.dofs.is_jump(*other));
             if !jumps.is_empty() {
                 size += norm(passed);
                 glue += Wrench::at(geometry, self.mesh.nodes[node], passed);
                 glue += in_mesh.into_iter().map(|&(other, part)| self.wrench_on(other, part.map(|f| -f))).sum();
             }
             for &&(jump, part) in &jumps {
-                if let Some((of, centre)) = self.joints.section(&self.dofs, jump) {
+                if let Some((of, centre)) = self.constraints.joints.section(&self.constraints.dofs, jump) {
                     let arm = minus(self.mesh.nodes[node], centre);
                     sections[of] += Wrench { force: part, ..Wrench::at(geometry, arm, part) };
                 }
@@ -343,7 +334,7 @@ impl Model {
             let of_node = |(node, matrix): &(usize, [[f64; 3]; 3])| (*node, matrix.map(|row| dot(row, forces[*node])));
             supports.push(share.iter().map(of_node).map(|(node, force)| wrench(node, force)).sum());
         }
-        let displaced = if springs.is_empty() { Vec::new() } else { self.all_displaced(t, &state.u) };
+        let displaced = if springs.is_empty() { Vec::new() } else { self.constraints.displaced(t, &state.u) };
         let of_bed = |bed: &Vec<Spring>| {
             bed.iter().flat_map(|spring| spring.forces(&displaced)).map(|(node, force)| wrench(node, force)).sum()
         };
@@ -359,7 +350,7 @@ impl Model {
 
     /// Returns the wrench of a `force` (N) on a node of the mesh or of a reference point.
     fn wrench_on(&self, node: usize, force: [f64; 3]) -> Wrench {
-        Wrench::on(&self.mesh, &self.dofs, node, force)
+        Wrench::on(&self.mesh, &self.constraints.dofs, node, force)
     }
 
     /// Returns for each pretension the mean outward normal of its section and the jump there (m) at time `t` (s) in the
@@ -367,9 +358,9 @@ impl Model {
     pub(crate) fn sections(&self, t: f64, state: &State) -> Vec<[[f64; 3]; 2]> {
         let mut sections = vec![[[0.0; 3]; 2]; self.description.pretensions.len()];
         if !sections.is_empty() {
-            let all = self.all_displaced(t, &state.u);
-            for (k, section) in self.joints.sections() {
-                sections[section.of] = [section.normal, all[self.dofs.node_of_jump(k)]];
+            let all = self.constraints.displaced(t, &state.u);
+            for (k, section) in self.constraints.joints.sections() {
+                sections[section.of] = [section.normal, all[self.constraints.dofs.node_of_jump(k)]];
             }
         }
         sections
@@ -383,7 +374,7 @@ impl Model {
     /// Returns the mean displacement (m) of the nodes of each support, of each spring or foundation, and of each load at
     /// time `t` (s) in the `state` at that time.
     pub(crate) fn mean_displacements(&self, t: f64, state: &State) -> [Vec<[f64; 3]>; 3] {
-        let all = self.all_displaced(t, &state.u);
+        let all = self.constraints.displaced(t, &state.u);
         let mean = |nodes: &Vec<usize>| {
             let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
             sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
@@ -395,10 +386,10 @@ impl Model {
     /// supports, springs]` there have, and the displacement (m) and the rotation (rad) of the point, at time `t` (s) in
     /// the `state` at that time.
     pub(crate) fn coupled(&self, t: f64, state: &State, acting: [&[Wrench]; 3]) -> Vec<(Wrench, [[f64; 3]; 2])> {
-        if self.couplings.all.is_empty() {
+        if self.constraints.couplings.all.is_empty() {
             return Vec::new();
         }
-        let all = self.all_displaced(t, &state.u);
+        let all = self.constraints.displaced(t, &state.u);
         let Description { loads, supports, springs, couplings, .. } = &self.description;
         let [of_loads, of_supports, of_springs] = acting;
         let one = |(k, coupling): (usize, &Coupling)| {
@@ -408,12 +399,12 @@ impl Model {
             let of_springs = springs.iter().zip(of_springs).filter(|(bed, _)| here(bed.coupling()));
             let wrenches = of_loads.map(|(_, w)| *w).chain(of_supports.map(|(_, w)| *w));
             let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
-            let position = self.couplings.all[k].position;
+            let position = self.constraints.couplings.all[k].position;
             let moment = match self.mesh.geometry {
                 Geometry::Cartesian => minus(moment, cross(position, force)),
                 Geometry::Axisymmetric => moment,
             };
-            (Wrench { force, moment }, self.couplings.motion(&self.dofs, k, &all))
+            (Wrench { force, moment }, self.constraints.couplings.motion(&self.constraints.dofs, k, &all))
         };
         couplings.iter().enumerate().map(one).collect()
     }

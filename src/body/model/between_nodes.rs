@@ -65,7 +65,7 @@ type Place = Vec<(usize, f64)>;
 impl Model {
     /// Returns the largest indentation (m) by contact forces of all obstacles, see [`Model::range_left`].
     pub fn pressed(&self, t: f64, state: &State) -> f64 {
-        (0..self.obstacles.len()).map(|k| self.pressed_in(k, t, state)).fold(0.0, f64::max)
+        (0..self.contact.obstacles.len()).map(|k| self.pressed_in(k, t, state)).fold(0.0, f64::max)
     }
 
     /// Returns the contact node that is deepest inside an obstacle that it does not meet at time `t` (s).
@@ -73,19 +73,21 @@ impl Model {
     /// The obstacle belongs to its boundary, or is a bounded one that has come from another boundary. Depths within the
     /// error of a solution or rounding do not count.
     pub fn overlap(&self, t: f64, state: &State) -> Option<Overlap> {
-        if self.obstacles.len() < 2 {
+        if self.contact.obstacles.len() < 2 {
             return None;
         }
-        let displacements = self.strained(t, &state.u);
+        let displacements = self.constraints.strained(t, &state.u);
         let noise = SOLVED * displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let mut deepest: Option<Overlap> = None;
-        for boundary in self.contact_boundaries.iter().filter(|boundary| boundary.pair.is_none()) {
+        for boundary in self.contact.boundaries.iter().filter(|boundary| boundary.pair.is_none()) {
             let outsides = self.mesh.boundary(&boundary.name).map(|facets| outsides(&self.mesh, facets));
             for &i in &boundary.nodes {
-                let (node, x) = (self.contacts[i].node, self.contacts[i].position);
+                let (node, x) = (self.contact.nodes[i].node, self.contact.nodes[i].position);
                 let assigned = self.assigned(i, t).map(|(k, _)| k);
                 let Some(outside) = outsides.as_ref().and_then(|outsides| outsides.get(&node)) else { continue };
-                for (k, (obstacle, motion)) in self.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != assigned) {
+                for (k, (obstacle, motion)) in
+                    self.contact.obstacles.iter().enumerate().filter(|(k, _)| Some(*k) != assigned)
+                {
                     let own = boundary.obstacles.contains(&k);
                     let may_come = obstacle.is_bounded() && self.is_carried_along(k, node);
                     if !(own || may_come) {
@@ -109,9 +111,9 @@ impl Model {
 
     /// Returns `true` if the motion of obstacle `k` is relative to the rigid offset of the body at `node`.
     fn is_carried_along(&self, k: usize, node: usize) -> bool {
-        let boundary = self.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
-        let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contacts[i].node);
-        first.is_some_and(|first| self.groups.of_node[first] == self.groups.of_node[node])
+        let boundary = self.contact.boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
+        let first = boundary.and_then(|boundary| boundary.nodes.first()).map(|&i| self.contact.nodes[i].node);
+        first.is_some_and(|first| self.constraints.groups.of_node[first] == self.constraints.groups.of_node[node])
     }
 
     /// Returns the point of a contact facet at which the distance of the obstacle differs most from the interpolated
@@ -122,20 +124,23 @@ impl Model {
     /// nodes resolve as far as possible, and arcs that straight facets cut off a curved boundary.
     pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
-            self.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
+            self.contact.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
         };
-        let boundaries: Vec<&ContactBoundary> = self.contact_boundaries.iter().filter(curved).collect();
+        let boundaries: Vec<&ContactBoundary> = self.contact.boundaries.iter().filter(curved).collect();
         if boundaries.is_empty() {
             return None;
         }
-        let displacements = self.strained(t, &state.u);
+        let displacements = self.constraints.strained(t, &state.u);
         let noise = SOLVED * displacements.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let mut worst: Option<BetweenNodes> = None;
         for boundary in boundaries {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
             let outsides = outsides(&self.mesh, facets);
-            let closed: BTreeMap<usize, bool> =
-                boundary.nodes.iter().map(|&i| (self.contacts[i].node, statuses[i] != ContactStatus::Open)).collect();
+            let closed: BTreeMap<usize, bool> = boundary
+                .nodes
+                .iter()
+                .map(|&i| (self.contact.nodes[i].node, statuses[i] != ContactStatus::Open))
+                .collect();
             let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
@@ -189,7 +194,7 @@ impl Model {
     ) -> NearestObstacle {
         let moved = plus(x, 1.0, u);
         let mut nearest = NearestObstacle { distance: f64::NAN, inward: [f64::NAN; 3] };
-        for (obstacle, motion) in &self.obstacles[boundary.obstacles.clone()] {
+        for (obstacle, motion) in &self.contact.obstacles[boundary.obstacles.clone()] {
             let (back, out) = motion.back(t, moved, outward);
             let (distance, normal) = if obstacle.has_one_normal() {
                 let normal = motion.back(t, moved, obstacle.normal).1;
@@ -208,11 +213,11 @@ impl Model {
 
     /// Returns `true` if an obstacle may pass within an increment. Only a single plane that does not turn never does.
     pub fn has_passing_obstacles(&self) -> bool {
-        self.contact_boundaries.iter().any(|boundary| self.may_pass(boundary))
+        self.contact.boundaries.iter().any(|boundary| self.may_pass(boundary))
     }
 
     fn may_pass(&self, boundary: &ContactBoundary) -> bool {
-        let obstacles = &self.obstacles[boundary.obstacles.clone()];
+        let obstacles = &self.contact.obstacles[boundary.obstacles.clone()];
         let moves = obstacles.iter().any(|(obstacle, motion)| motion.moves() || motion.turns(obstacle));
         let is_flat = matches!(obstacles, [(obstacle, motion)] if obstacle.is_plane() && !motion.turns(obstacle));
         boundary.pair.is_none() && moves && !is_flat
@@ -225,16 +230,16 @@ impl Model {
     /// node.
     pub fn passed_node(&self, times: [f64; 2], states: [&State; 2]) -> Option<PassedNode> {
         let mut worst: Option<PassedNode> = None;
-        for boundary in self.contact_boundaries.iter().filter(|boundary| self.may_pass(boundary)) {
+        for boundary in self.contact.boundaries.iter().filter(|boundary| self.may_pass(boundary)) {
             let Some(facets) = self.mesh.boundary(&boundary.name) else { continue };
             let outsides = outsides(&self.mesh, facets);
             let pressed = states.map(|state| ROUNDING * state.p_n.iter().fold(0.0, |most: f64, p_n| most.max(*p_n)));
-            let ends = [0, 1].map(|end| self.strained(times[end], &states[end].u));
+            let ends = [0, 1].map(|end| self.constraints.strained(times[end], &states[end].u));
             let rows = [0, 1].map(|end| (self.loading.gaps_at(times[end]), self.problem.c_n().mul(&states[end].u)));
             for share in SHARES {
                 let t = times[0] + share * (times[1] - times[0]);
                 for &i in &boundary.nodes {
-                    let (node, x) = (self.contacts[i].node, self.contacts[i].position);
+                    let (node, x) = (self.contact.nodes[i].node, self.contact.nodes[i].position);
                     let Some(outside) = outsides.get(&node) else { continue };
                     // Displacements that are not small change the distance, but not that of the contact row.
                     let [first, last] = [0, 1].map(|end| {

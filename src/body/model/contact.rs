@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::constraints::Constraints;
 use super::find;
 use super::glued_contact::carry_glued;
 use super::pair::Pairs;
-use super::support::{PrescribedMotion, RigidGroups};
+use super::support::PrescribedMotion;
 use crate::algebra::null_space::{self, null_space};
 use crate::algebra::vector::{dot, plus};
 use crate::base::input_error::InputError;
@@ -29,10 +30,8 @@ const DEEPEST: f64 = 0.2;
 struct ContactBody<'a> {
     description: &'a Description,
     mesh: &'a Mesh,
-    dofs: &'a Dofs,
-    prescribed: &'a [PrescribedMotion],
+    constraints: &'a Constraints,
     pairs: &'a Pairs,
-    groups: &'a RigidGroups,
 }
 
 /// The contacts of a description.
@@ -55,15 +54,14 @@ impl Contacts {
     pub(super) fn new(
         description: &Description,
         mesh: &Mesh,
-        dofs: &Dofs,
-        prescribed: &[PrescribedMotion],
+        constraints: &Constraints,
         pairs: &Pairs,
-        groups: &RigidGroups,
     ) -> Result<Self, InputError> {
         let mut contacts = Contacts::default();
         share_no_facet(description, mesh, pairs)?;
         edges_are_alike(description, mesh, pairs)?;
-        let body = ContactBody { description, mesh, dofs, prescribed, pairs, groups };
+        let dofs = &constraints.dofs;
+        let body = ContactBody { description, mesh, constraints, pairs };
         for k in 0..description.contacts.len() {
             not_between_rigid(description, mesh, dofs, k)?;
             match pairs.of_contact(k) {
@@ -79,7 +77,7 @@ impl Contacts {
 
     /// Adds the contact nodes of a pair of boundaries, unless they are glued.
     fn add_pair(&mut self, body: &ContactBody<'_>, k: usize, number: usize) -> Result<(), InputError> {
-        let ContactBody { description, mesh, dofs, pairs, .. } = *body;
+        let ContactBody { description, mesh, constraints: Constraints { dofs, .. }, pairs } = *body;
         let (pair, contact) = (&pairs.all[number], &description.contacts[k]);
         if pair.glued {
             return Ok(());
@@ -117,7 +115,8 @@ impl Contacts {
     }
 
     fn add(&mut self, body: &ContactBody<'_>, k: usize) -> Result<(), InputError> {
-        let ContactBody { description, mesh, dofs, prescribed, groups, .. } = *body;
+        let ContactBody { description, mesh, constraints, .. } = *body;
+        let Constraints { dofs, prescribed, groups, .. } = constraints;
         let contact = &description.contacts[k];
         let boundary = find(mesh, &contact.boundary, &format!("contact[{k}]"))?;
         let mut obstacles = placed(contact, description.end(), mesh, boundary, k)?;
@@ -353,7 +352,7 @@ fn assigned(
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     k: usize,
 ) -> Result<Vec<NodeObstacle>, InputError> {
-    let ContactBody { description, mesh, dofs, prescribed, .. } = *body;
+    let ContactBody { description, mesh, constraints: Constraints { dofs, prescribed, .. }, .. } = *body;
     let name = &contact.boundary;
     let at_obstacle =
         |j: usize, message: String, help: &str| InputError::new(contact.obstacle_key(k, j), message, help);

@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 
+use super::constraints::Constraints;
 use super::coupling::{Couplings, about_axes};
 use super::holding::{self, Holding};
 use super::joint::Joints;
@@ -16,27 +17,32 @@ use crate::algebra::sparse::{NodeRows, Symmetric};
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, minus, norm};
 use crate::base::input_error::InputError;
-use crate::body::constraints::{Dofs, assemble_part};
+use crate::body::constraints::{Dofs, HeldRows, assemble, assemble_part};
 use crate::body::contact::ContactNode;
 use crate::body::description::{Bed, Description, Where};
-use crate::body::fem::{Bedding, Elasticity, Element, NodalVolumes, Plane, Spring, overlaps};
+use crate::body::fem::{Bedding, Elasticity, Element, InvertedElement, NodalVolumes, Plane, Spring, overlaps};
 use crate::body::mesh::{Bodies, Boundary, CellKind, Geometry, Mesh, MeshFault, MeshSource};
 
 /// The parts of a model before assembly.
 pub(super) struct Discrete {
     pub mesh: Arc<Mesh>,
-    pub couplings: Couplings,
-    pub joints: Joints,
+    pub elements: Elements,
+    pub constraints: Constraints,
     /// The displacements that each support holds.
     pub holdings: Vec<Holding>,
-    pub dofs: Dofs,
+    pub pairs: Pairs,
+    /// The springs of each bed.
+    pub beds: Vec<Vec<Spring>>,
+}
+
+/// The elements of the cells.
+#[derive(Debug, Clone)]
+pub(super) struct Elements {
     pub element: Element,
     /// The elastic law of each cell.
     pub materials: Vec<Elasticity>,
-    pub pairs: Pairs,
+    /// The nodal volumes over which dilatations are averaged; empty for other elements.
     pub volumes: NodalVolumes,
-    /// The springs of each bed.
-    pub beds: Vec<Vec<Spring>>,
 }
 
 impl Discrete {
@@ -57,7 +63,31 @@ impl Discrete {
         let dofs = pairs.dofs(description, &mesh, &joints, dofs)?;
         let volumes = NodalVolumes::new(&mesh, element, |e| materials[e])?;
         let beds = springs(description, &mesh, &couplings, &dofs)?;
-        Ok(Discrete { mesh, couplings, joints, holdings, dofs, element, materials, pairs, volumes, beds })
+        let elements = Elements { element, materials, volumes };
+        let held = (&holdings[..], &beds[..]);
+        let constraints = Constraints::new(description, &mesh, dofs, (couplings, joints), &pairs, held)?;
+        Ok(Discrete { mesh, elements, constraints, holdings, pairs, beds })
+    }
+
+    /// Assembles the stiffness and its rows of held displacements; for a `shared` stiffness the rows alone.
+    pub(super) fn assembled(&self, shared: bool) -> Result<(Option<Symmetric>, HeldRows), InvertedElement> {
+        let Discrete { mesh, elements: Elements { element, volumes, .. }, constraints, beds, .. } = self;
+        if shared {
+            return Ok((None, HeldRows::rows_only(mesh, &constraints.dofs, *element, self.law())?));
+        }
+        let springs: Vec<Spring> = beds.iter().flatten().cloned().collect();
+        let (stiffness, rows) = HeldRows::beside(mesh, &constraints.dofs, *element, volumes, self.law(), &springs)?;
+        Ok((Some(stiffness), rows))
+    }
+
+    /// Assembles the stiffness of a body without springs and nodal volumes.
+    pub(super) fn stiffness(&self) -> Result<Symmetric, InvertedElement> {
+        assemble(&self.mesh, &self.constraints.dofs, self.elements.element, self.law())
+    }
+
+    /// Returns the elastic law of a cell.
+    fn law(&self) -> impl Fn(usize) -> Elasticity + Sync {
+        |e| self.elements.materials[e]
     }
 }
 
@@ -195,10 +225,11 @@ impl Body {
     }
 
     pub(super) fn on(discrete: &Discrete) -> Option<Self> {
-        let Discrete { mesh, dofs, element, materials, pairs: Pairs { all: pairs, .. }, volumes, beds, .. } = discrete;
+        let Discrete { mesh, elements, constraints: Constraints { dofs, .. }, pairs, beds, .. } = discrete;
+        let Elements { element, materials, volumes } = elements;
         let body =
             || Body { mesh: Arc::clone(mesh), dofs: dofs.clone(), element: *element, materials: materials.clone() };
-        is_a_sum_over_cells(dofs, pairs, volumes, beds.iter().flatten()).then(body)
+        is_a_sum_over_cells(dofs, &pairs.all, volumes, beds.iter().flatten()).then(body)
     }
 
     /// Returns `K` distributed by `share`; `None` if the rows of a contact node contain displacements of other nodes.
@@ -234,8 +265,8 @@ impl Model {
     /// Returns `true` if its stiffness can be assembled by rows of nodes on each process: [`Body::of`] returns a body,
     /// and contact rows contain displacements of single nodes.
     pub(crate) fn has_rows(&self) -> bool {
-        is_a_sum_over_cells(&self.dofs, &self.pairs, &self.volumes, self.statics.springs())
-            && alone_with_contact(&self.mesh, &self.dofs, &self.contacts).is_some()
+        is_a_sum_over_cells(&self.constraints.dofs, &self.contact.pairs, &self.elements.volumes, self.statics.springs())
+            && alone_with_contact(&self.mesh, &self.constraints.dofs, &self.contact.nodes).is_some()
     }
 }
 

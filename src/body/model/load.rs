@@ -3,8 +3,9 @@
 use std::sync::atomic::AtomicBool;
 use std::sync::atomic::Ordering::Relaxed;
 
+use super::constraints::Constraints;
 use super::coupling::about_axes;
-use super::discrete::Discrete;
+use super::discrete::{Discrete, Elements};
 use super::find;
 use super::place::{in_space, node, suits, with_area};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
@@ -39,7 +40,8 @@ pub(super) fn load(
     discrete: &Discrete,
     k: usize,
 ) -> Result<(NodalForces, Option<FreeStrain>), InputError> {
-    let Discrete { mesh, dofs, couplings, element, volumes, materials, .. } = discrete;
+    let Discrete { mesh, elements, constraints: Constraints { dofs, couplings, .. }, .. } = discrete;
+    let Elements { element, materials, volumes } = elements;
     let key = format!("load[{k}]");
     let at = |name: &str| format!("{key}.{name}");
     let boundary = |name: &str| find(mesh, name, &key);

@@ -239,12 +239,13 @@ impl Model {
     /// Returns the number of the obstacle that contact node `i` meets in the increment that ends at time `t` (s), and
     /// the obstacle as seen from the node; `None` in front of another body.
     pub fn assigned(&self, i: usize, t: f64) -> Option<(usize, Facing)> {
-        let contact = &self.contacts[i];
+        let contact = &self.contact.nodes[i];
         let first = contact.obstacle()?;
-        Some(match self.nearest.at(i, t) {
-            Some(k) if k != first => {
-                (k, Facing { tangents: contact.facing.tangents, ..self.obstacles[k].0.seen_from(contact.position) })
-            }
+        Some(match self.contact.nearest.at(i, t) {
+            Some(k) if k != first => (
+                k,
+                Facing { tangents: contact.facing.tangents, ..self.contact.obstacles[k].0.seen_from(contact.position) },
+            ),
             _ => (first, contact.facing),
         })
     }

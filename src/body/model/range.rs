@@ -19,15 +19,16 @@ impl Model {
     /// contact nodes. The indentation is at least the deepest interference of the history and the indentation by the
     /// contact forces: if body and obstacle fit, pressed nodes do not move along the normal.
     pub fn range_left(&self, t: f64, state: &State, gap: &[f64], statuses: &[ContactStatus]) -> Option<RangeLeft> {
-        let displacements = self.strained(t, &state.u);
+        let displacements = self.constraints.strained(t, &state.u);
         let interference = self.loading.largest_interference();
-        let worst = self.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
-            let assigned = (0..self.contacts.len()).filter(|&i| self.assigned(i, t).is_some_and(|(own, _)| own == k));
+        let worst = self.contact.obstacles.iter().enumerate().filter_map(|(k, (obstacle, motion))| {
+            let assigned =
+                (0..self.contact.nodes.len()).filter(|&i| self.assigned(i, t).is_some_and(|(own, _)| own == k));
             let deformed = assigned.map(|i| DeformedNode {
-                node: self.contacts[i].node,
-                position: self.contacts[i].position,
-                displacement: displacements[self.contacts[i].node],
-                normal: self.contacts[i].facing.normal,
+                node: self.contact.nodes[i].node,
+                position: self.contact.nodes[i].position,
+                displacement: displacements[self.contact.nodes[i].node],
+                normal: self.contact.nodes[i].facing.normal,
                 gap: self.nodal_gap(i, t, gap) + self.normal_deviation(i, t),
                 closed: statuses[i] != ContactStatus::Open,
             });
@@ -43,7 +44,7 @@ impl Model {
     /// square root of the number of nodes.
     pub(super) fn pressed_in(&self, k: usize, t: f64, state: &State) -> f64 {
         let on_this = |i: usize| self.assigned(i, t).is_some_and(|(own, _)| own == k);
-        let pressed = (0..self.contacts.len()).filter(|&i| state.p_n[i] > 0.0 && on_this(i));
+        let pressed = (0..self.contact.nodes.len()).filter(|&i| state.p_n[i] > 0.0 && on_this(i));
         let shares: Vec<f64> = pressed.map(|i| state.p_n[i] / self.problem.own_stiffness(i)).collect();
         let width = if self.mesh.dimension == 3 { (shares.len() as f64).sqrt() } else { 1.0 };
         let sum: f64 = shares.iter().filter(|share| share.is_finite()).sum();
@@ -55,9 +56,9 @@ impl Model {
     ///
     /// In front of a body, the slope is that of the node's surface if a direction is given, otherwise NaN.
     pub fn slope(&self, i: usize, t: f64) -> f64 {
-        let contact = &self.contacts[i];
+        let contact = &self.contact.nodes[i];
         let Some((k, facing)) = self.assigned(i, t) else { return self.slope_in_pair(i) };
-        let (obstacle, motion) = &self.obstacles[k];
+        let (obstacle, motion) = &self.contact.obstacles[k];
         motion.slope(obstacle, t, contact.position, &facing)
     }
 
@@ -67,7 +68,7 @@ impl Model {
     /// side moves past them, and at those to which a method gives none; `mu` are the friction coefficients of the nodes.
     pub fn friction_left_out(&self, state: &State, mu: &[f64]) -> Option<(usize, f64)> {
         let own = if self.loading.friction().is_none() { self.problem.mu() } else { mu };
-        let lacks = |i: &usize| self.passed_by[*i] || mu[*i] < own[*i];
+        let lacks = |i: &usize| self.contact.passed_by[*i] || mu[*i] < own[*i];
         if !(0..mu.len()).any(|i| lacks(&i)) {
             return None;
         }
@@ -77,30 +78,31 @@ impl Model {
             let lost: f64 = boundary.nodes.iter().filter(|i| lacks(i)).map(friction).sum();
             (k, if all > 0.0 { lost / all } else { 0.0 })
         };
-        self.contact_boundaries.iter().enumerate().map(share).max_by(|a, b| a.1.total_cmp(&b.1))
+        self.contact.boundaries.iter().enumerate().map(share).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
     /// Returns the place where a body has entered another, or a boundary the one in front of it, without a contact row,
     /// for the displacements `u` (m).
     pub fn passed(&self, u: &[[f64; 3]]) -> Option<Passed> {
-        self.passages.as_ref()?.deepest(&self.mesh, u)
+        self.contact.passages.as_ref()?.deepest(&self.mesh, u)
     }
 
     /// Returns the slope of the slave of a pair at contact node `i` relative to the given direction; NaN if none is
     /// given.
     fn slope_in_pair(&self, i: usize) -> f64 {
-        let contact = &self.contacts[i];
-        let slope = contact.coupled().and_then(|coupled| self.pairs[coupled.pair].slopes.get(&contact.node));
+        let contact = &self.contact.nodes[i];
+        let slope = contact.coupled().and_then(|coupled| self.contact.pairs[coupled.pair].slopes.get(&contact.node));
         slope.copied().unwrap_or(f64::NAN)
     }
 
     /// Returns the tractions (Pa) of the masters of all pairs on their slaves, as pairs of a node and a vector.
     pub fn master_tractions(&self, state: &State) -> Vec<(usize, [f64; 3])> {
         let mut all = Vec::new();
-        for (k, pair) in self.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {
-            let own = (0..self.contacts.len()).filter(|&i| self.contacts[i].coupled().is_some_and(|own| own.pair == k));
+        for (k, pair) in self.contact.pairs.iter().enumerate().filter(|(_, pair)| !pair.glued) {
+            let own = (0..self.contact.nodes.len())
+                .filter(|&i| self.contact.nodes[i].coupled().is_some_and(|own| own.pair == k));
             let forces: BTreeMap<usize, [f64; 3]> =
-                own.map(|i| (self.contacts[i].node, self.contact_force(state, i))).collect();
+                own.map(|i| (self.contact.nodes[i].node, self.contact_force(state, i))).collect();
             let of_rows = pair.mortar.rows.iter().map(|row| forces.get(&row.node).copied().unwrap_or_default());
             all.extend(pair.mortar.on_master(&self.mesh, &of_rows.collect::<Vec<_>>()));
         }

@@ -113,7 +113,7 @@ impl Model {
     /// Returns the value at contact node `i` itself from the values of rows in front of another body, `value`: on
     /// boundaries of second order `(1 - 2 α) w̃_m + α (w̃_a + w̃_b)` at a node between corners, and `w̃` elsewhere.
     pub(crate) fn of_node_from_rows(&self, i: usize, value: impl Fn(usize) -> f64) -> f64 {
-        match self.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
+        match self.contact.recovery.as_ref().and_then(|recovery| recovery.ends[i]) {
             Some(([Some(a), Some(b)], share)) => (1.0 - 2.0 * share) * value(i) + share * (value(a) + value(b)),
             _ => value(i),
         }
@@ -123,9 +123,9 @@ impl Model {
     /// body, the forces and weights are the sums over all nodes of its facets.
     pub fn over_weights(&self, force: impl Fn(usize) -> f64) -> Vec<f64> {
         let mut stresses: Vec<f64> =
-            self.contacts.iter().enumerate().map(|(i, contact)| force(i) / contact.weight).collect();
-        for (&i, beside) in &self.beside_the_end {
-            let weight: f64 = beside.iter().map(|&j| self.contacts[j].weight).sum();
+            self.contact.nodes.iter().enumerate().map(|(i, contact)| force(i) / contact.weight).collect();
+        for (&i, beside) in &self.contact.beside_the_end {
+            let weight: f64 = beside.iter().map(|&j| self.contact.nodes[j].weight).sum();
             stresses[i] = beside.iter().map(|&j| force(j)).sum::<f64>() / weight;
         }
         stresses
@@ -137,7 +137,7 @@ impl Model {
         match self.recovered_tractions(state) {
             None => self.over_weights(|i| state.p_n[i]),
             Some(all) => {
-                self.contacts.iter().zip(all).map(|(contact, sigma)| dot(sigma, contact.facing.normal)).collect()
+                self.contact.nodes.iter().zip(all).map(|(contact, sigma)| dot(sigma, contact.facing.normal)).collect()
             }
         }
     }
@@ -147,10 +147,10 @@ impl Model {
     ///
     /// Otherwise `None`: the traction is then the contact force divided by the node's weight (32).
     pub fn recovered_tractions(&self, state: &State) -> Option<Vec<[f64; 3]>> {
-        let Recovery { mass, ends, plain } = self.recovery.as_ref()?;
+        let Recovery { mass, ends, plain } = self.contact.recovery.as_ref()?;
         // Pressures are treated as scalars since normals turn along the boundary, friction as a vector since tangents
         // are arbitrary.
-        let forces: Vec<[f64; 3]> = (self.contacts.iter().enumerate())
+        let forces: Vec<[f64; 3]> = (self.contact.nodes.iter().enumerate())
             .map(|(i, contact)| across(self.contact_force(state, i), contact.facing.normal))
             .collect();
         let pressures = self.over_weights(|i| state.p_n[i]);
@@ -164,17 +164,17 @@ impl Model {
                 means[i][c] + defect / contact.weight
             })
         };
-        let corrected: Vec<[f64; 4]> = self.contacts.iter().enumerate().map(corrected).collect();
+        let corrected: Vec<[f64; 4]> = self.contact.nodes.iter().enumerate().map(corrected).collect();
         let nodal = |(i, ends): (usize, &Option<Ends>)| {
             if plain[i] {
                 let [pressure, x, y, z] = means[i];
-                return plus([x, y, z], pressure, self.contacts[i].facing.normal);
+                return plus([x, y, z], pressure, self.contact.nodes[i].facing.normal);
             }
             let own = corrected[i];
             let (ends, share) = ends.unwrap_or(([None; 2], 0.0));
             let [a, b] = ends.map(|end| end.map_or(own, |j| corrected[j]));
             let [pressure, x, y, z] = std::array::from_fn(|c| (1.0 - 2.0 * share) * own[c] + share * (a[c] + b[c]));
-            let normal = self.contacts[i].facing.normal;
+            let normal = self.contact.nodes[i].facing.normal;
             // Tension from the correction beside the end of a contact is not part of the law.
             plus(across([x, y, z], normal), f64::max(pressure, 0.0), normal)
         };

@@ -39,12 +39,16 @@ impl Model {
             dot(self.problem.rigid_motion(weights), &force)
         };
         let along = self.along_contact(weights, is_closed).filter(|along| power(along) >= DRIVEN * power(weights));
-        RigidMotion::combination(&self.rigid_motions, along.as_deref().unwrap_or(weights))
+        RigidMotion::combination(&self.constraints.rigid_motions, along.as_deref().unwrap_or(weights))
     }
 
     fn along_contact(&self, weights: &[f64], is_closed: impl Fn(usize) -> bool) -> Option<Vec<f64>> {
-        let modes: Vec<Vec<f64>> =
-            self.rigid_motions.iter().map(|motion| motion.displacements(&self.mesh, &self.dofs)).collect();
+        let modes: Vec<Vec<f64>> = self
+            .constraints
+            .rigid_motions
+            .iter()
+            .map(|motion| motion.displacements(&self.mesh, &self.constraints.dofs))
+            .collect();
         let normal: Vec<Vec<f64>> =
             modes.iter().map(|mode| self.problem.c_n().times(mode)).collect::<Result<_, _>>().ok()?;
         let [w_n, w_t, w_o] = self.problem.contact_motion(&self.problem.rigid_motion(weights));
@@ -52,7 +56,7 @@ impl Model {
             -w_n[*i] <= PARTS * (self.problem.mu()[*i] * w_t[*i].hypot(w_o[*i])).max(DEPENDENT * size(weights))
         };
         let mut basis = Vec::<Vec<f64>>::new();
-        for i in (0..self.contacts.len()).filter(|&i| is_closed(i)).filter(slides) {
+        for i in (0..self.contact.nodes.len()).filter(|&i| is_closed(i)).filter(slides) {
             let mut row: Vec<f64> = normal.iter().map(|w_n| w_n[i]).collect();
             let before = size(&row);
             remove(&basis, &mut row);
@@ -72,17 +76,20 @@ impl Model {
     /// Returns the rigid body that has moved furthest along its contact, relative to the pressed zone, at time `t` (s) in the
     /// `state` at that time.
     pub fn large_motion(&self, t: f64, state: &State) -> Option<LargeMotion> {
-        let free = |k: usize| self.dofs.node(self.dofs.nodes_of_point(k)[1]).iter().any(Option::is_some);
-        let rigid: Vec<_> = self.couplings.each_rigid_body().filter(|(_, k, _)| free(*k)).collect();
+        let free = |k: usize| {
+            self.constraints.dofs.node(self.constraints.dofs.nodes_of_point(k)[1]).iter().any(Option::is_some)
+        };
+        let rigid: Vec<_> = self.constraints.couplings.each_rigid_body().filter(|(_, k, _)| free(*k)).collect();
         if rigid.is_empty() {
             return None;
         }
-        let all = self.all_displaced(t, &state.u);
+        let all = self.constraints.displaced(t, &state.u);
         let of_body = |(coupling, k, nodes): &(usize, usize, Vec<usize>)| {
             let nodes: BTreeSet<usize> = nodes.iter().copied().collect();
-            let point = all[self.dofs.nodes_of_point(*k)[0]];
-            let own = (0..self.pairs.len())
-                .filter(|&pair| self.pairs[pair].master.facets.first().is_some_and(|facet| nodes.contains(&facet[0])));
+            let point = all[self.constraints.dofs.nodes_of_point(*k)[0]];
+            let own = (0..self.contact.pairs.len()).filter(|&pair| {
+                self.contact.pairs[pair].master.facets.first().is_some_and(|facet| nodes.contains(&facet[0]))
+            });
             own.filter_map(|pair| self.moved_along(pair, point, &all, state))
                 .map(|(moved, share)| LargeMotion { coupling: *coupling, moved, share })
                 .max_by(|a, b| a.share.total_cmp(&b.share))
@@ -93,12 +100,12 @@ impl Model {
     /// Returns how far a body that moves by `point` (m) has moved along the contact of a pair relative to the slave, m, and
     /// relative to half the width of the pressed zone.
     fn moved_along(&self, pair: usize, point: [f64; 3], all: &[[f64; 3]], state: &State) -> Option<(f64, f64)> {
-        let pressed: Vec<usize> = (0..self.contacts.len())
-            .filter(|&i| state.p_n[i] > 0.0 && self.contacts[i].coupled().is_some_and(|own| own.pair == pair))
+        let pressed: Vec<usize> = (0..self.contact.nodes.len())
+            .filter(|&i| state.p_n[i] > 0.0 && self.contact.nodes[i].coupled().is_some_and(|own| own.pair == pair))
             .collect();
         let total: f64 = pressed.iter().map(|&i| state.p_n[i]).sum();
         let mean = |of: &dyn Fn(&ContactNode) -> [f64; 3]| {
-            pressed.iter().fold([0.0; 3], |sum, &i| plus(sum, state.p_n[i] / total, of(&self.contacts[i])))
+            pressed.iter().fold([0.0; 3], |sum, &i| plus(sum, state.p_n[i] / total, of(&self.contact.nodes[i])))
         };
         let normal = mean(&|contact| contact.facing.normal);
         if norm(normal) == 0.0 {
@@ -109,8 +116,8 @@ impl Model {
         let middle = mean(&|contact| contact.position);
         let moved = along(minus(point, mean(&|contact| all[contact.node])));
         let width = |&i: &usize| {
-            let contact = &self.contacts[i];
-            let edge = self.pairs[pair].edges.get(&contact.node).copied().filter(|edge| edge.is_finite());
+            let contact = &self.contact.nodes[i];
+            let edge = self.contact.pairs[pair].edges.get(&contact.node).copied().filter(|edge| edge.is_finite());
             along(minus(contact.position, middle)).max(edge.unwrap_or(0.0))
         };
         let half = pressed.iter().map(width).fold(0.0, f64::max);

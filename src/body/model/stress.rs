@@ -46,7 +46,7 @@ impl Model {
 
     /// Computes the stress (Pa) of an elastic strain in cell `e`.
     pub(crate) fn law_stress(&self, e: usize, strain: [f64; 6]) -> [f64; 6] {
-        let mut stress = self.materials[e].stress(strain);
+        let mut stress = self.elements.materials[e].stress(strain);
         if self.is_thin() {
             stress[2] = 0.0;
         }
@@ -55,31 +55,31 @@ impl Model {
 
     /// Returns the factors of the thermal loads at time `t` (s).
     pub(crate) fn thermal_factors(&self, t: f64) -> Vec<f64> {
-        self.thermal.iter().map(|(_, load)| self.loading.cases()[*load].factor(t)).collect()
+        self.statics.free_strains().map(|(load, _)| self.loading.cases()[load].factor(t)).collect()
     }
 
     /// Returns the stress-free strain of cell `e` for these `factors` of the thermal loads; without factors it is 0.
     pub(super) fn free_strain(&self, e: usize, factors: &[f64]) -> f64 {
-        self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_cells[e]).sum()
+        self.statics.free_strains().zip(factors).map(|((_, free), f)| f * free.of_cells[e]).sum()
     }
 
     /// Returns the dilatation of nodal volume `a` without the thermal part.
     fn elastic_dilatation(&self, a: usize, factors: &[f64], displacements: &[[f64; 3]]) -> f64 {
-        let free: f64 = self.thermal.iter().zip(factors).map(|((free, _), f)| f * free.of_volumes[a]).sum();
-        self.volumes.dilatation(a, displacements) - 3.0 * free
+        let free: f64 = self.statics.free_strains().zip(factors).map(|((_, free), f)| f * free.of_volumes[a]).sum();
+        self.elements.volumes.dilatation(a, displacements) - 3.0 * free
     }
 
     /// Returns the elastic dilatation at the corners of cell `e`, linear between them; `None` if the dilatation of the
     /// cell is not averaged.
     pub(crate) fn corner_dilatations(&self, e: usize, factors: &[f64], displacements: &[[f64; 3]]) -> Option<Vec<f64>> {
-        let volumes = self.volumes.of_cell(e);
+        let volumes = self.elements.volumes.of_cell(e);
         let at_corners = volumes.iter().map(|&a| self.elastic_dilatation(a, factors, displacements)).collect();
         (!volumes.is_empty()).then_some(at_corners)
     }
 
     /// Computes the stress (Pa) at the reference point `point` of cell `e`.
     pub(crate) fn stress_in(&self, e: usize, point: [f64; 3], factors: &[f64], displacements: &[[f64; 3]]) -> [f64; 6] {
-        let (cell, material) = (&self.mesh.cells[e], &self.materials[e]);
+        let (cell, material) = (&self.mesh.cells[e], &self.elements.materials[e]);
         let nodes = self.mesh.points(&cell.nodes);
         let of_nodes: Vec<_> = cell.nodes.iter().map(|&node| displacements[node]).collect();
         // Assembly has refused cells that have none.
@@ -110,20 +110,20 @@ impl Model {
     /// moving supports, the energy is `½ uᵀ K u`, and the result is `None`. The result is
     /// NaN if a cell has no valid strain, which happens only if the mesh is not the assembled one.
     pub(crate) fn strain_energy(&self, t: f64, state: &State) -> Option<f64> {
-        if self.thermal.is_empty() && self.prescribed.is_empty() {
+        if self.statics.free_strains().next().is_none() && self.constraints.prescribed.is_empty() {
             return None;
         }
-        let displacements = self.all_displaced(t, &state.u);
+        let displacements = self.constraints.displaced(t, &state.u);
         let factors = self.thermal_factors(t);
         let of_cell = |e: usize| {
-            let (whole, shares) = (self.materials[e], !self.volumes.of_cell(e).is_empty());
+            let (whole, shares) = (self.elements.materials[e], !self.elements.volumes.of_cell(e).is_empty());
             let law = if shares { whole.deviatoric() } else { whole };
             let strains = self.elastic_strains(e, &factors, &displacements);
             let energy = |(volume, strain): &(f64, [f64; 6])| volume * law.energy_density(strain);
             strains.map_or(f64::NAN, |strains| strains.iter().map(energy).sum())
         };
         let springs = self.statics.springs().map(|spring: &Spring| spring.energy(&displacements));
-        let of_volumes = self.volumes.energy(|a| self.elastic_dilatation(a, &factors, &displacements));
+        let of_volumes = self.elements.volumes.energy(|a| self.elastic_dilatation(a, &factors, &displacements));
         Some((0..self.mesh.cells.len()).map(of_cell).sum::<f64>() + of_volumes + springs.sum::<f64>())
     }
 

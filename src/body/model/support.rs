@@ -7,6 +7,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use super::constraints::Constraints;
 use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
@@ -155,9 +156,10 @@ impl PrescribedMotion {
 }
 
 /// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
-pub(super) fn moves_past(all: &[PrescribedMotion], dofs: &Dofs, groups: &RigidGroups, contact: &ContactNode) -> bool {
+pub(super) fn moves_past(constraints: &Constraints, contact: &ContactNode) -> bool {
+    let Constraints { prescribed, dofs, groups, .. } = constraints;
     let along = |motion: &PrescribedMotion| motion.deviation_of(dofs, groups, contact);
-    all.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
+    prescribed.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
 }
 
 /// Returns the displacement (m) of `node` in its held directions with the components `values` along unit vectors;

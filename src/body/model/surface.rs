@@ -118,7 +118,7 @@ fn slopes(points: &[[f64; 2]], degree: i32, dimension: usize) -> Option<Vec<[f64
 impl Surface {
     pub(super) fn new(model: &Model) -> Self {
         let mesh = &model.mesh;
-        let of_contact: BTreeSet<usize> = model.contacts.iter().map(|contact| contact.node).collect();
+        let of_contact: BTreeSet<usize> = model.contact.nodes.iter().map(|contact| contact.node).collect();
         let surface = mesh.surface_at(|node| of_contact.contains(&node));
         let mut at_node: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (f, (facet, _)) in surface.iter().enumerate() {
@@ -128,16 +128,16 @@ impl Surface {
         }
         let normals = surface.iter().map(|(facet, _)| unit(mesh.area_vector(facet))).collect();
         let sides = Sides { facets: surface, normals, at_node };
-        let in_contact: BTreeSet<Facet> = (model.contact_boundaries.iter())
+        let in_contact: BTreeSet<Facet> = (model.contact.boundaries.iter())
             .filter_map(|own| mesh.boundary(&own.name))
             .flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet)))
             .collect();
         let loaded = loaded_elsewhere(model);
-        let fits = (0..model.contacts.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
+        let fits = (0..model.contact.nodes.len()).map(|i| Fit::new(model, i, &sides, &in_contact, &loaded)).collect();
         let scatters = mesh.cells.iter().any(|cell| cell.kind == CellKind::Tetrahedron);
         let patches = scatters.then(|| {
-            let beside = beside(mesh, &model.contacts, &model.contact_boundaries, |_| true);
-            (0..model.contacts.len()).map(|i| beside.get(&i).map_or_else(|| vec![i], Vec::clone)).collect()
+            let beside = beside(mesh, &model.contact.nodes, &model.contact.boundaries, |_| true);
+            (0..model.contact.nodes.len()).map(|i| beside.get(&i).map_or_else(|| vec![i], Vec::clone)).collect()
         });
         Surface { fits, patches }
     }
@@ -156,7 +156,7 @@ fn loaded_elsewhere(model: &Model) -> BTreeSet<Facet> {
         Bed::Surface { boundary, .. } | Bed::Axes { at: Where::Boundary(boundary), .. } => Some(boundary),
         Bed::Axes { .. } | Bed::Rotational { .. } => None,
     });
-    let masters = model.pairs.iter().map(|pair| &pair.master);
+    let masters = model.contact.pairs.iter().map(|pair| &pair.master);
     let boundaries = of_loads.chain(of_springs).filter_map(|name| model.mesh.boundary(name)).chain(masters);
     boundaries.flat_map(|boundary| boundary.facets.iter().map(|facet| sorted(facet))).collect()
 }
@@ -192,7 +192,7 @@ impl Fit {
     /// acts.
     fn new(model: &Model, i: usize, sides: &Sides, contact: &BTreeSet<Facet>, loaded: &BTreeSet<Facet>) -> Self {
         let (mesh, d) = (&model.mesh, model.mesh.dimension);
-        let contact_node = &model.contacts[i];
+        let contact_node = &model.contact.nodes[i];
         let (node, normal, tangent) = (contact_node.node, contact_node.facing.normal, contact_node.frame[0]);
         let all = sides.at_node.get(&node).map_or(&[][..], |all| all);
         let towards =
@@ -207,7 +207,7 @@ impl Fit {
         let m = if norm(sum) > 0.0 { unit(sum) } else { normal };
         let t = if d == 2 { [-m[1], m[0], 0.0] } else { unit(across(tangent, m)) };
         let axes = [m, t, cross(m, t)];
-        let held: Vec<[f64; 3]> = model.dofs.held(node).collect();
+        let held: Vec<[f64; 3]> = model.constraints.dofs.held(node).collect();
         let is_loaded = own.iter().any(|&f| loaded.contains(&sorted(&sides.facets[f].0)));
         // Nothing acts out of the plane.
         let is_free =
@@ -345,10 +345,10 @@ impl Model {
     fn surface_tractions(&self, state: &State) -> Vec<[f64; 3]> {
         let recovered = self.recovered_tractions(state);
         recovered.unwrap_or_else(|| {
-            let forces: Vec<[f64; 3]> = (0..self.contacts.len()).map(|i| self.contact_force(state, i)).collect();
+            let forces: Vec<[f64; 3]> = (0..self.contact.nodes.len()).map(|i| self.contact_force(state, i)).collect();
             if let Some(patches) = &self.surface().patches {
                 let mean = |patch: &Vec<usize>| {
-                    let weight: f64 = patch.iter().map(|&j| self.contacts[j].weight).sum();
+                    let weight: f64 = patch.iter().map(|&j| self.contact.nodes[j].weight).sum();
                     patch.iter().fold([0.0; 3], |sum, &j| plus(sum, 1.0 / weight, forces[j]))
                 };
                 return patches.iter().map(mean).collect();

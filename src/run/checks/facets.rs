@@ -39,7 +39,7 @@ impl FacetedGaps {
     }
 
     pub(super) fn are_of(&self, model: &Model, boundary: &str) -> bool {
-        self.large().any(|faceted| model.pairs[faceted.pair].slave == boundary)
+        self.large().any(|faceted| model.contact.pairs[faceted.pair].slave == boundary)
     }
 }
 
@@ -47,7 +47,7 @@ impl Check for FacetedGaps {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
         let of_pair = |pair: usize| {
             let (mut by_force, mut without) = ([0.0; 3], [0.0; 3]);
-            for (contact, p_n) in model.contacts.iter().zip(&step.state.p_n) {
+            for (contact, p_n) in model.contact.nodes.iter().zip(&step.state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == pair) else { continue };
                 let gap = contact.facing.gap;
                 // Facets may hold nodes apart that the curved surfaces press.
@@ -61,7 +61,7 @@ impl Check for FacetedGaps {
             let differs = bulge.abs() > FLAT * model.mesh.size() * weight;
             differs.then(|| Faceted { pair, force: by_force[0], bulge: bulge / weight, closed: closed / weight })
         };
-        for faceted in (0..model.pairs.len()).filter_map(of_pair) {
+        for faceted in (0..model.contact.pairs.len()).filter_map(of_pair) {
             match self.0.iter_mut().find(|before| before.pair == faceted.pair) {
                 Some(before) if faceted.force > before.force => *before = faceted,
                 Some(_) => (),
@@ -71,12 +71,12 @@ impl Check for FacetedGaps {
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.0.iter().all(|faceted| faceted.pair < model.pairs.len())
+        self.0.iter().all(|faceted| faceted.pair < model.contact.pairs.len())
     }
 
     fn warnings(&self, model: &Model, _: &SoFar) -> Vec<Warning> {
         let warning = |&Faceted { pair, bulge, closed, .. }: &Faceted| {
-            let pair = &model.pairs[pair];
+            let pair = &model.contact.pairs[pair];
             let gaps = [-closed, -closed - bulge];
             let [now, curved] = gaps.map(|gap| model.units().rounded(Quantity::Length, gap, 3));
             let message = format!(
@@ -106,7 +106,7 @@ impl FacetedObstacle {
 
     pub(super) fn is_of(&self, model: &Model, boundary: &str, so_far: &SoFar) -> bool {
         let own = |k: usize| {
-            model.contact_boundaries.iter().any(|other| other.name == boundary && other.obstacles.contains(&k))
+            model.contact.boundaries.iter().any(|other| other.name == boundary && other.obstacles.contains(&k))
         };
         self.large(so_far).is_some_and(|(obstacle, _)| own(obstacle))
     }
@@ -116,22 +116,22 @@ impl Check for FacetedObstacle {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {
         if so_far.is_deepest {
             let of_obstacle = |k: usize| {
-                let (obstacle, motion) = &model.obstacles[k];
+                let (obstacle, motion) = &model.contact.obstacles[k];
                 obstacle.triangles()?;
-                let pressed = (0..model.contacts.len()).filter(|&i| step.state.p_n[i] > 0.0);
+                let pressed = (0..model.contact.nodes.len()).filter(|&i| step.state.p_n[i] > 0.0);
                 let place = |i: usize| {
                     let (own, facing) = model.assigned(i, step.record.time)?;
-                    (own == k).then(|| motion.back(step.record.time, model.contacts[i].position, facing.normal))
+                    (own == k).then(|| motion.back(step.record.time, model.contact.nodes[i].position, facing.normal))
                 };
                 let sagitta = median(&mut obstacle.sagittas(pressed.filter_map(place)))?;
                 Some((k, sagitta))
             };
-            self.0 = (0..model.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
+            self.0 = (0..model.contact.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
         }
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.0.is_none_or(|(obstacle, _)| obstacle < model.obstacles.len())
+        self.0.is_none_or(|(obstacle, _)| obstacle < model.contact.obstacles.len())
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {

@@ -16,7 +16,7 @@ impl Finding for LeftOut {
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.0 < model.contact_boundaries.len()
+        self.0 < model.contact.boundaries.len()
     }
 
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
@@ -25,7 +25,7 @@ impl Finding for LeftOut {
              the direction of sliding, or the exact path has none where two contacts meet; end the support at some \
              distance from the contact, make the other side the slave, or take solver.method = \"bn\" in place of \"events\"",
             100.0 * share,
-            model.contact_boundaries[self.0].name
+            model.contact.boundaries[self.0].name
         )
     }
 }

@@ -52,7 +52,7 @@ fn layers_through_elements(model: &Model) -> Option<String> {
 
 fn large_friction(model: &Model) -> Option<String> {
     let largest = |nodes: &[usize]| nodes.iter().map(|&i| model.problem.mu()[i]).fold(0.0, f64::max);
-    let contacts = model.contact_boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
+    let contacts = model.contact.boundaries.iter().map(|boundary| (largest(&boundary.nodes), &boundary.name));
     let (mu, name) = contacts.max_by(|a, b| a.0.total_cmp(&b.0)).filter(|(mu, _)| *mu > PLAUSIBLE)?;
     Some(format!(
         "the friction of `{name}` is up to {mu}, but few surfaces exceed {PLAUSIBLE}: is it in percent? To prevent \
@@ -63,10 +63,10 @@ fn large_friction(model: &Model) -> Option<String> {
 /// Describes the largest hole of the first triangulated surface with holes in front of its boundary.
 fn surface_hole(model: &Model) -> Option<String> {
     let units = model.units();
-    model.contact_boundaries.iter().find_map(|contact| {
+    model.contact.boundaries.iter().find_map(|contact| {
         let boundary = model.mesh.boundary(&contact.name)?;
         contact.obstacles.clone().find_map(|k| {
-            let holes = holes_in_front_of(&model.mesh, boundary, &model.obstacles[k], model.times());
+            let holes = holes_in_front_of(&model.mesh, boundary, &model.contact.obstacles[k], model.times());
             let largest = holes.iter().max_by(|a, b| a.size.total_cmp(&b.size))?;
             let what = match holes.len() {
                 1 => "a hole".to_string(),

@@ -15,13 +15,13 @@ impl Check for ObstacleNotMet {
     }
 
     fn fits(&self, model: &Model) -> bool {
-        let (contacts, obstacles) = (model.contacts.len(), model.obstacles.len());
+        let (contacts, obstacles) = (model.contact.nodes.len(), model.contact.obstacles.len());
         self.0.is_none_or(|overlap| overlap.contact < contacts && overlap.obstacle < obstacles)
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (depth, time, &Overlap { contact, obstacle, .. }) = self.0.above(TOLERATED_SHARE * so_far.indentation)?;
-        let boundary = model.contact_boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
+        let boundary = model.contact.boundaries.iter().find(|boundary| boundary.obstacles.contains(&obstacle));
         let cure = match boundary {
             Some(boundary) if !boundary.nodes.contains(&contact) => {
                 format!("an obstacle of `{}` only; list it for the node's boundary too", boundary.name)
@@ -32,7 +32,7 @@ impl Check for ObstacleNotMet {
         };
         let message = format!(
             "the contact node at {} is {} inside {} at t = {time} s, {}, {cure}",
-            model.units().point(model.contacts[contact].position),
+            model.units().point(model.contact.nodes[contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             model.obstacle_key(obstacle),
             so_far.beside(depth)

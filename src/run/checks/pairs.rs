@@ -19,22 +19,22 @@ impl Finding for BeyondTheEnd {
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
         let share = |k: usize| {
             let (mut all, mut outside) = (0.0, 0.0);
-            for (contact, p_n) in model.contacts.iter().zip(&step.state.p_n) {
+            for (contact, p_n) in model.contact.nodes.iter().zip(&step.state.p_n) {
                 let Some(coupled) = contact.coupled().filter(|coupled| coupled.pair == k) else { continue };
                 all += p_n;
                 outside += if coupled.beyond_the_end { *p_n } else { 0.0 };
             }
             (if all > 0.0 { outside / all } else { 0.0 }, BeyondTheEnd(k))
         };
-        (0..model.pairs.len()).map(share).max_by(|a, b| a.0.total_cmp(&b.0))
+        (0..model.contact.pairs.len()).map(share).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.0 < model.pairs.len()
+        self.0 < model.contact.pairs.len()
     }
 
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
-        let pair = &model.pairs[self.0];
+        let pair = &model.contact.pairs[self.0];
         let (slave, master) = (&pair.slave, &pair.master.name);
         let cure = if pair.mortar.overhangs()[1] {
             format!("give the mesh of `{slave}` nodes where `{master}` ends, or smaller elements there")
@@ -74,7 +74,7 @@ impl Finding for Passed {
                 |own: &[usize], other: &[usize]| own.contains(&node) && other.iter().any(|&node| of[node] == bodies[1]);
             faces(&slave, &master) || faces(&master, &slave)
         };
-        if let Some(pair) = model.pairs.iter().find(is_between) {
+        if let Some(pair) = model.contact.pairs.iter().find(is_between) {
             let search = units.rounded(Quantity::Length, pair.mortar.search, 3);
             format!(
                 "at t = {time} s the node at {place} is {depth} inside the other side of `{}` against `{}`, and no \

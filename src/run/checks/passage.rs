@@ -31,7 +31,7 @@ impl Check for Passage {
 
     fn fits(&self, model: &Model) -> bool {
         let last = self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok());
-        last && self.deepest.is_none_or(|found| found.contact < model.contacts.len())
+        last && self.deepest.is_none_or(|found| found.contact < model.contact.nodes.len())
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
@@ -40,7 +40,7 @@ impl Check for Passage {
             "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
              between the ends of increments is neglected; take more increments",
             if found.distance < 0.0 { "goes through" } else { "leaves" },
-            model.units().point(model.contacts[found.contact].position),
+            model.units().point(model.contact.nodes[found.contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             so_far.beside(depth)
         );

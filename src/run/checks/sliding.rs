@@ -20,26 +20,26 @@ impl Finding for Slid {
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
         let drift = [0, 1].map(|k| model.loading.drift_at(step.record.time, k));
-        let closed = (0..model.contacts.len()).filter(|&i| step.statuses[i] != ContactStatus::Open);
+        let closed = (0..model.contact.nodes.len()).filter(|&i| step.statuses[i] != ContactStatus::Open);
         let slid = |i: usize| {
-            let coupled = model.contacts[i].coupled()?;
+            let coupled = model.contact.nodes[i].coupled()?;
             let [w_t, w_o] = model.problem.tangential_maps().map(|map| map.dot(i, &step.state.u));
             let slip = (w_t - drift[0][i]).hypot(w_o - drift[1][i]);
-            let edge = model.pairs[coupled.pair].edges.get(&model.contacts[i].node)?;
+            let edge = model.contact.pairs[coupled.pair].edges.get(&model.contact.nodes[i].node)?;
             Some((slip / edge, Slid { contact: i, slip }))
         };
         closed.filter_map(slid).max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.contact < model.contacts.len()
+        self.contact < model.contact.nodes.len()
     }
 
     fn sentence(&self, model: &Model, share: f64, time: f64) -> String {
         format!(
             "the contact node at {} has slid by {} at t = {time} s, {:.0} % of the opposing facet, but remains paired \
              with its initial nodes; pressures may be off by as much as they change over that distance",
-            model.units().point(model.contacts[self.contact].position),
+            model.units().point(model.contact.nodes[self.contact].position),
             model.units().rounded(Quantity::Length, self.slip, 3),
             100.0 * share
         )

@@ -11,9 +11,9 @@ pub(super) struct NoContact;
 impl Check for NoContact {
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         // Without a converged increment, nothing is known of the contact.
-        let mut boundaries = model.contact_boundaries.iter().filter(|_| so_far.increments > 0);
+        let mut boundaries = model.contact.boundaries.iter().filter(|_| so_far.increments > 0);
         let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| so_far.touched[i]))?;
-        let message = match boundary.pair.map(|k| &model.pairs[k].master.name) {
+        let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
             None => format!(
                 "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
                 boundary.name
@@ -42,13 +42,13 @@ impl Check for LeaningObstacle {
     }
 
     fn fits(&self, model: &Model) -> bool {
-        self.0.is_none_or(|(i, _)| i < model.contacts.len())
+        self.0.is_none_or(|(i, _)| i < model.contact.nodes.len())
     }
 
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (i, slope) = self.0.filter(|(_, slope)| *slope > NOT_SMALL)?;
-        let (place, degrees) = (model.units().point(model.contacts[i].position), slope.atan().to_degrees());
-        let message = if model.contacts[i].coupled().is_some() {
+        let (place, degrees) = (model.units().point(model.contact.nodes[i].position), slope.atan().to_degrees());
+        let message = if model.contact.nodes[i].coupled().is_some() {
             format!(
                 "at the node {place} the surface is inclined by {degrees:.0} degrees to the direction of its contact; \
                  remove `direction`"

@@ -26,13 +26,13 @@ impl Check for NeutralEquilibrium {
     }
 
     fn fits(&self, model: &Model) -> bool {
-        let motions = model.rigid_motions.len();
+        let motions = model.constraints.rigid_motions.len();
         self.first.as_ref().is_none_or(|(motion, _)| motion.weights.len() == motions)
     }
 
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (neutral, time) = self.first.as_ref()?;
-        let motion = RigidMotion::combination(&model.rigid_motions, &neutral.weights)?;
+        let motion = RigidMotion::combination(&model.constraints.rigid_motions, &neutral.weights)?;
         // The body may move one way only.
         let room = match neutral.room[0].max(neutral.room[1]) {
             0.0 => return None,
@@ -59,7 +59,7 @@ impl Check for SharedForces {
         let acts = |i: &usize| touched[*i] && !model.problem.c_n().row(*i).is_empty();
         let acting: Vec<usize> = (0..touched.len()).filter(acts).collect();
         let dependent = model.problem.of_nodes(&acting).dependent_nodes();
-        let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contacts[acting[k]].node).collect();
+        let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contact.nodes[acting[k]].node).collect();
         let place = model.units().point(model.mesh.nodes[*nodes.first()?]);
         let message = format!(
             "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over \

@@ -187,7 +187,7 @@ impl BalanceWatch {
         }
         let share = left / self.largest;
         let apart = |pair: &Pair| pair.mortar.gaps.iter().map(|gap| gap.gap.abs()).fold(0.0, f64::max);
-        let widest = model.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
+        let widest = model.contact.pairs.iter().max_by(|a, b| apart(a).total_cmp(&apart(b)));
         let message = match widest.filter(|_| of_forces <= BALANCED * tolerance * self.largest) {
             Some(pair) => format!(
                 "at t = {time} s the forces on the body balance, but their moments do not, by {share:.1e} of their \

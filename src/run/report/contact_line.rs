@@ -99,7 +99,7 @@ pub struct ContactLine {
 impl ContactLine {
     /// Returns the contact lines of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
-        let several = model.contact_boundaries.len() > 1;
+        let several = model.contact.boundaries.len() > 1;
         let line = |boundary: &ContactBoundary| ContactLine {
             boundary: several.then(|| boundary.name.clone()),
             index: step.record.index,
@@ -117,7 +117,7 @@ impl ContactLine {
             },
             units: model.units(),
         };
-        model.contact_boundaries.iter().map(line).collect()
+        model.contact.boundaries.iter().map(line).collect()
     }
 
     /// Formats the nodes as CSV. In three dimensions additional columns appear among those of the plane. The obstacles
@@ -219,7 +219,7 @@ pub(super) fn names() -> impl Iterator<Item = &'static str> {
 pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &IncrementView<'_>) -> Vec<ContactPoint> {
     let (problem, state) = (&model.problem, step.state);
     let tractions = model.recovered_tractions(state);
-    let in_frame = |i: usize| model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+    let in_frame = |i: usize| model.contact.nodes[i].in_frame([state.p_t[i], state.p_o[i]]);
     let over_weights = |force: &dyn Fn(usize) -> f64| {
         if tractions.is_none() { model.over_weights(force) } else { Vec::new() }
     };
@@ -233,10 +233,10 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
     let mut s = 0.0;
     let mut last: Option<[f64; 3]> = None;
     let point = |i: usize| {
-        let position = model.contacts[i].position;
+        let position = model.contact.nodes[i].position;
         s += last.replace(position).map_or(0.0, |last| norm(minus(position, last)));
         let [x, y, z] = position;
-        let contact = &model.contacts[i];
+        let contact = &model.contact.nodes[i];
         let p_n = state.p_n[i];
         // Displacements relative to the motion of supports, as for gaps and tangential motions of the obstacle.
         let gap = &step.increment.gap;
@@ -247,7 +247,9 @@ pub fn points(model: &Model, nodes: impl Iterator<Item = usize>, step: &Incremen
         } else if contact.ends.is_none() {
             (problem.c_n().dot(i, &state.u), problem.tangential_maps().map(|map| map.dot(i, &state.u)))
         } else {
-            let own = |n: [f64; 3]| model.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>();
+            let own = |n: [f64; 3]| {
+                model.constraints.dofs.along(contact.node, n).map(|(dof, c)| c * state.u[dof]).sum::<f64>()
+            };
             (own(contact.facing.normal), contact.facing.tangents.map(own))
         };
         let moved = model.moved(i, step.record.time);

@@ -117,14 +117,14 @@ impl CycleWatch {
             wear_coefficient: request.wear_coefficient,
             follows_path,
             time: 0.0,
-            nodes: vec![NodeWatch::default(); model.contacts.len()],
-            slips: vec![[false; 2]; model.contact_boundaries.len()],
+            nodes: vec![NodeWatch::default(); model.contact.nodes.len()],
+            slips: vec![[false; 2]; model.contact.boundaries.len()],
         })
     }
 
     /// Returns `true` if the data, restored from another run, fits `model`.
     pub fn fits(&self, model: &Model) -> bool {
-        self.nodes.len() == model.contacts.len() && self.slips.len() == model.contact_boundaries.len()
+        self.nodes.len() == model.contact.nodes.len() && self.slips.len() == model.contact.boundaries.len()
     }
 
     fn cycle(&self) -> Option<&CycleWork> {
@@ -162,7 +162,7 @@ impl CycleWatch {
         self.time = record.time;
         match self.phase(record.time) {
             Phase::Before => {
-                let points = points(model, 0..model.contacts.len(), step);
+                let points = points(model, 0..model.contact.nodes.len(), step);
                 let stresses = model.surface_stresses(record.time, step.state);
                 self.nodes =
                     points.iter().zip(&stresses).map(|(point, stress)| NodeWatch::at(point, stress.along)).collect();
@@ -173,7 +173,7 @@ impl CycleWatch {
     }
 
     fn nodes(&mut self, model: &Model, step: &IncrementView<'_>) {
-        let points = points(model, 0..model.contacts.len(), step);
+        let points = points(model, 0..model.contact.nodes.len(), step);
         let stresses = model.surface_stresses(step.record.time, step.state);
         for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
             if self.follows_path {
@@ -183,8 +183,8 @@ impl CycleWatch {
                 node.observe(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
             }
         }
-        for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {
-            let slides = |i: &&usize| !model.contacts[**i].tangents[0].is_empty();
+        for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact.boundaries) {
+            let slides = |i: &&usize| !model.contact.nodes[**i].tangents[0].is_empty();
             let of = |status| boundary.nodes.iter().filter(slides).any(|&i| step.statuses[i] == status);
             *some |= of(ContactStatus::Slip);
             *all |= of(ContactStatus::Slip) && !of(ContactStatus::Stick);
@@ -199,10 +199,10 @@ impl CycleWatch {
         }
         let earlier = &self.cycles[..self.cycles.len() - 1];
         let with_friction = |b: &usize| {
-            let nodes = &model.contact_boundaries[*b].nodes;
-            nodes.iter().any(|&i| !model.contacts[i].tangents[0].is_empty())
+            let nodes = &model.contact.boundaries[*b].nodes;
+            nodes.iter().any(|&i| !model.contact.nodes[i].tangents[0].is_empty())
         };
-        let boundaries: Vec<usize> = (0..model.contact_boundaries.len()).filter(with_friction).collect();
+        let boundaries: Vec<usize> = (0..model.contact.boundaries.len()).filter(with_friction).collect();
         let regimes = boundaries.iter().map(|&b| self.regime(model, b));
         let regime = regimes.max_by_key(|regime| *regime as usize).unwrap_or(SlipRegime::Stick);
         // Without slip, the work of friction is rounding.
@@ -222,25 +222,25 @@ impl CycleWatch {
 
     /// Returns the slip of boundary `b`. Nodes with the status slip that do not move stick.
     fn regime(&self, model: &Model, b: usize) -> SlipRegime {
-        let moves = model.contact_boundaries[b].nodes.iter().any(|&i| self.nodes[i].slip_range() > 0.0);
+        let moves = model.contact.boundaries[b].nodes.iter().any(|&i| self.nodes[i].slip_range() > 0.0);
         if moves { SlipRegime::of(self.slips[b]) } else { SlipRegime::Stick }
     }
 
     fn boundary(&self, model: &Model, b: usize) -> CycleOfBoundary {
-        let boundary = &model.contact_boundaries[b];
+        let boundary = &model.contact.boundaries[b];
         let largest =
             |of: fn(&NodeWatch) -> f64| boundary.nodes.iter().map(|&i| of(&self.nodes[i])).fold(0.0, f64::max);
         CycleOfBoundary {
             boundary: boundary.name.clone(),
             regime: self.regime(model, b),
-            friction_work: boundary.parts(&model.contacts).map(|(i, part)| part * self.nodes[i].work()).sum(),
+            friction_work: boundary.parts(&model.contact.nodes).map(|(i, part)| part * self.nodes[i].work()).sum(),
             slip_range: largest(NodeWatch::slip_range),
             slip_net: largest(NodeWatch::slip_net),
         }
     }
 
     fn of_nodes(&self, model: &Model, b: usize) -> Vec<CycleNode> {
-        let boundary = &model.contact_boundaries[b];
+        let boundary = &model.contact.boundaries[b];
         let node = |&i: &usize| self.nodes[i].node(model, &boundary.name, i, self.wear_coefficient);
         boundary.nodes.iter().map(node).collect()
     }

@@ -120,7 +120,7 @@ impl EstimateWatch {
     /// Resumes with data that were stored; `None` if they are not of `model`.
     pub fn of(self, model: &Model) -> Option<Self> {
         let EstimateWatch { graph, heaviest: begun, .. } = EstimateWatch::new(model);
-        let contacts = model.contacts.len();
+        let contacts = model.contact.nodes.len();
         let heaviest = |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len());
         let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
         let fits = [self.heaviest.len(), self.dragged.len()] == [begun.len(); 2]
@@ -182,7 +182,7 @@ impl EstimateWatch {
     /// Returns the estimates of the mesh errors.
     pub fn estimates(&self, model: &Model) -> Estimates {
         let elements = self.strained.as_ref().map(|Strained { time, u, p_n, .. }| {
-            let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contacts[i].node).collect();
+            let pressed: Vec<usize> = self.graph.isolated(p_n).map(|i| model.contact.nodes[i].node).collect();
             ElementEstimate::new(model, &model.thermal_factors(*time), &model.displaced(*time, u), &pressed)
         });
         let contact = |(k, heaviest): (usize, &Heaviest)| {

@@ -85,7 +85,7 @@ impl JointSlip {
     fn of(model: &Model, outcome: &HistoryOutcome) -> Option<Self> {
         let (reached, slip) = (outcome.reached, outcome.slip.as_ref()?);
         let motion = motion(model, outcome)?;
-        let u = motion.displacements(&model.mesh, &model.dofs);
+        let u = motion.displacements(&model.mesh, &model.constraints.dofs);
         let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(reached));
         let most = friction_work(&model.problem, &mu, &slip.p_n, &u);
         let mut force = vec![0.0; u.len()];
@@ -288,10 +288,11 @@ fn meets_contact(model: &Model, weights: &[f64]) -> bool {
 
 /// Explains a failure for a body that only contact holds. An equilibrium may exist, which was checked before.
 fn held_by_contact(model: &Model) -> String {
-    if model.rigid_motions.is_empty() || model.contacts.is_empty() {
+    if model.constraints.rigid_motions.is_empty() || model.contact.nodes.is_empty() {
         return String::new();
     }
-    let motions: Vec<String> = model.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
+    let motions: Vec<String> =
+        model.constraints.rigid_motions.iter().map(|motion| motion.against(&model.units())).collect();
     format!(
         "; only contact can hold {}: contact forces within the friction limit could balance the loads, but no such \
          state was found; add a support, or loads that press the body on its obstacles from the start",
@@ -321,7 +322,7 @@ fn no_continuation(model: &Model, outcome: &HistoryOutcome) -> String {
     } else {
         "no rates that satisfy the laws were found"
     };
-    let cure = if model.rigid_motions.is_empty() {
+    let cure = if model.constraints.rigid_motions.is_empty() {
         "the motion can continue only by a jump, which solver.method = \"bn\" solves with a warning; less friction may avoid it"
     } else {
         "supports leave the body a rigid motion, and rates are not unique if contact leaves it too: add a support, or take \
@@ -342,8 +343,8 @@ fn motion(model: &Model, outcome: &HistoryOutcome) -> Option<RigidMotion> {
 fn worst_node(model: &Model, outcome: &HistoryOutcome) -> Option<WorstNode> {
     let violation = outcome.violation.filter(|violation| violation.error > 0.0 || violation.error.is_nan())?;
     let node = match violation.law {
-        Law::Equilibrium => model.dofs.in_mesh(model.dofs.node_of(violation.place)?),
-        _ => model.contacts.get(violation.place)?.node,
+        Law::Equilibrium => model.constraints.dofs.in_mesh(model.constraints.dofs.node_of(violation.place)?),
+        _ => model.contact.nodes.get(violation.place)?.node,
     };
     let position = model.mesh.nodes[node][..model.mesh.dimension].to_vec();
     Some(WorstNode { law: violation.law, error: violation.error, node, position })

@@ -118,10 +118,10 @@ impl Moment {
             State { p_n: of(0), p_t: of(1), p_o: of(2), ..State::default() }
         };
         let units = [0, 1, 2].map(unit);
-        for (i, part) in model.contact_boundaries.get(self.boundary)?.parts(&model.contacts) {
+        for (i, part) in model.contact.boundaries.get(self.boundary)?.parts(&model.contact.nodes) {
             let [n, t, o] = units.each_ref().map(|state| {
                 if self.tangential {
-                    let [t, o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+                    let [t, o] = model.contact.nodes[i].in_frame([state.p_t[i], state.p_o[i]]);
                     return part * dot([t, o, 0.0], self.along);
                 }
                 let own = model.forces_of_rows(state, i).filter(|(term, _)| !term.opposite);

@@ -39,18 +39,23 @@ pub struct PairRecord {
 impl PairRecord {
     /// Returns all pairs of `model` without a state.
     pub fn all(model: &Model) -> Vec<Self> {
-        model.pairs.iter().map(|pair| PairRecord::of(model, pair)).collect()
+        model.contact.pairs.iter().map(|pair| PairRecord::of(model, pair)).collect()
     }
 
     /// Returns all pairs in the `state` at time `t` (s).
     pub(in crate::run) fn all_at(model: &Model, t: f64, state: &State) -> Vec<Self> {
-        let displacements = if model.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
+        let displacements = if model.contact.pairs.is_empty() { Vec::new() } else { model.displaced(t, &state.u) };
         let overlap = |pair: &Pair| {
             let here = pair.is_measured() && !pair.jumps;
             let least = pair.mortar.least_gap(&model.mesh, &displacements).filter(|_| here)?;
             Some((-least.gap).max(0.0))
         };
-        model.pairs.iter().map(|pair| PairRecord { overlap: overlap(pair), ..PairRecord::of(model, pair) }).collect()
+        model
+            .contact
+            .pairs
+            .iter()
+            .map(|pair| PairRecord { overlap: overlap(pair), ..PairRecord::of(model, pair) })
+            .collect()
     }
 
     fn of(model: &Model, pair: &Pair) -> Self {

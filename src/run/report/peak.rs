@@ -78,7 +78,7 @@ impl Peak {
         };
         // Forces at open nodes are rounding errors, and patches around them belong to closed nodes.
         let is_closed = |i: &usize| statuses[*i] != ContactStatus::Open && state.p_n[*i] > 0.0;
-        let nodes = model.contact_boundaries.iter().enumerate();
+        let nodes = model.contact.boundaries.iter().enumerate();
         let pairs =
             nodes.flat_map(|(b, boundary)| boundary.nodes.iter().map(move |&i| [b, i])).filter(|[_, i]| is_closed(i));
         // The first of equally large pressures counts.
@@ -90,9 +90,9 @@ impl Peak {
         if let (pressure, Some(at)) = largest
             && is_as_large(pressure, so_far)
         {
-            let parts = model.contact_boundaries[at[0]].parts(&model.contacts).filter(|(i, _)| is_closed(i));
+            let parts = model.contact.boundaries[at[0]].parts(&model.contact.nodes).filter(|(i, _)| is_closed(i));
             let [force, area] = parts.fold([0.0; 2], |[force, area], (i, share)| {
-                [force + share * state.p_n[i], area + share * model.contacts[i].weight]
+                [force + share * state.p_n[i], area + share * model.contact.nodes[i].weight]
             });
             let mean = (area > 0.0).then(|| force / area);
             let State { p_n, p_t, p_o, .. } = state;
@@ -104,8 +104,8 @@ impl Peak {
     /// Returns `true` if the data fits `model`.
     pub(super) fn fits(&self, model: &Model) -> bool {
         let [boundary, i] = self.at;
-        let nodes = model.contact_boundaries.get(boundary).map(|boundary| &boundary.nodes);
-        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.state.p_n.len() == model.contacts.len()
+        let nodes = model.contact.boundaries.get(boundary).map(|boundary| &boundary.nodes);
+        nodes.is_some_and(|nodes| nodes.contains(&i)) && self.state.p_n.len() == model.contact.nodes.len()
     }
 
     /// Estimates the mesh error of its contact surface at that time.
@@ -148,7 +148,7 @@ impl Peak {
             let bears = model.problem.mu()[i] * p_n[i];
             bears > 0.0 && p_t[i].hypot(p_o[i]) >= (1.0 - SLIDES) * bears
         };
-        model.contact_boundaries[self.at[0]].nodes.iter().any(|&i| graph.is_at_the_rim(i) && slides(i))
+        model.contact.boundaries[self.at[0]].nodes.iter().any(|&i| graph.is_at_the_rim(i) && slides(i))
     }
 
     /// Returns the pressure for the report.
@@ -165,8 +165,8 @@ impl Peak {
             pressure: peak_of.map(|_| self.pressure),
             peak_of,
             mean_pressure: self.mean,
-            boundary: model.contact_boundaries[boundary].name.clone(),
-            position: model.contacts[i].position,
+            boundary: model.contact.boundaries[boundary].name.clone(),
+            position: model.contact.nodes[i].position,
             time: self.time,
             nodes_across: PeakZone::across_at(model, graph, &self.state.p_n, i),
             mesh_error,

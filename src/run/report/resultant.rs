@@ -92,11 +92,11 @@ pub struct ForceRecord {
 impl Resultant {
     /// Returns the resultants of a `state` at time `t` (s), one for each boundary with contact.
     pub fn all(model: &Model, t: f64, state: &State) -> Vec<Self> {
-        model.contact_boundaries.iter().map(|boundary| Resultant::of(model, t, state, boundary)).collect()
+        model.contact.boundaries.iter().map(|boundary| Resultant::of(model, t, state, boundary)).collect()
     }
 
     fn of(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Self {
-        let (force, moment, sums) = total(model, state, boundary.parts(&model.contacts));
+        let (force, moment, sums) = total(model, state, boundary.parts(&model.contact.nodes));
         let name = boundary.name.clone();
         let obstacles = OnObstacle::all(model, t, state, boundary);
         Resultant { boundary: name, force, moment, sums, obstacles, opposite: OfOpposite::of(model, state, boundary) }
@@ -105,8 +105,8 @@ impl Resultant {
 
 impl OfOpposite {
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Option<Self> {
-        let name = model.pairs[boundary.pair?].master.name.clone();
-        let (force, moment) = wrench(model, state, boundary.parts(&model.contacts), true);
+        let name = model.contact.pairs[boundary.pair?].master.name.clone();
+        let (force, moment) = wrench(model, state, boundary.parts(&model.contact.nodes), true);
         Some(OfOpposite { boundary: name, force, moment })
     }
 }
@@ -121,7 +121,7 @@ impl OnObstacle {
         let assigned_to = |i: usize| model.assigned(i, t).map(|(k, _)| k);
         let assigned = boundary.nodes.iter().filter_map(|&i| assigned_to(i));
         let on = |k: usize| {
-            let parts = boundary.parts(&model.contacts).filter(|(i, _)| assigned_to(*i) == Some(k));
+            let parts = boundary.parts(&model.contact.nodes).filter(|(i, _)| assigned_to(*i) == Some(k));
             let (force, moment, sums) = total(model, state, parts);
             OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
         };
@@ -163,7 +163,7 @@ impl ComponentSums {
     pub(in crate::run) fn of(model: &Model, state: &State, parts: impl Iterator<Item = (usize, f64)>) -> Self {
         let mut sums = [0.0; 3];
         for (i, part) in parts {
-            let [p_t, p_o] = model.contacts[i].in_frame([state.p_t[i], state.p_o[i]]);
+            let [p_t, p_o] = model.contact.nodes[i].in_frame([state.p_t[i], state.p_o[i]]);
             sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += part * p);
         }
         let [sum_p_n, sum_p_t, sum_p_o] = sums;

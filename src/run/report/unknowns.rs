@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
+use crate::body::contact::ContactNode;
 use crate::body::mesh::Geometry;
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
@@ -62,19 +63,23 @@ impl EliminatedUnknown {
     /// Lists the unknowns that a run of `model` eliminates, with or without a `condensed` interior. Condensed equations
     /// contain the contact nodes `working_set` at first, or all.
     pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
-        let Model { mesh, problem, contacts, contact_boundaries, .. } = model;
+        let Model { mesh, problem, contact, .. } = model;
+        let contacts = &contact.nodes;
         let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
-        let unreached: usize = contact_boundaries.iter().map(|boundary| boundary.unreached).sum();
-        let supported = contact_boundaries.iter().filter_map(|boundary| {
+        let unreached: usize = contact.boundaries.iter().map(|boundary| boundary.unreached).sum();
+        let supported = contact.boundaries.iter().filter_map(|boundary| {
             let nodes = mesh.boundary(&boundary.name)?.nodes();
             // The nodes at both ends of a period are one.
-            let all = nodes.into_iter().map(|node| model.dofs.moving_alike(node)).collect::<BTreeSet<usize>>().len();
+            let all = nodes
+                .into_iter()
+                .map(|node| model.constraints.dofs.moving_alike(node))
+                .collect::<BTreeSet<usize>>()
+                .len();
             Some(all.saturating_sub(boundary.unreached + boundary.nodes.len()))
         });
         let smooth = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu == 0.0);
         let frictional = contacts.iter().zip(problem.mu()).filter(|(_, mu)| **mu > 0.0);
-        let free =
-            |contact: &crate::body::contact::ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
+        let free = |contact: &ContactNode| contact.tangents.iter().filter(|row| !row.is_empty()).count();
         let nodes = working_set.map_or_else(|| (0..contacts.len()).collect(), <[usize]>::to_vec);
         let held_displacements = problem.contact_displacements_of(nodes.iter().copied()).len();
         let interior = if condensed { problem.displacements() - held_displacements } else { 0 };

@@ -34,8 +34,8 @@ impl Vary {
                     .collect();
                 let poisson = scene.description.material.poisson;
                 let material = |element: usize| Elasticity::plane_strain(young[element], poisson);
-                let stiffness =
-                    assemble(&model.mesh, &model.dofs, Element::Bilinear, material).map_err(ModelError::from)?;
+                let stiffness = assemble(&model.mesh, &model.constraints.dofs, Element::Bilinear, material)
+                    .map_err(ModelError::from)?;
                 model.problem =
                     ContactProblem::new(Parts { stiffness: stiffness.into(), ..parts }).map_err(ModelError::from)?;
             }

@@ -42,7 +42,7 @@ fn table_i_ip() {
 fn resultants_converge_to_the_exact_ones() {
     let error = |increments: usize| {
         let (model, outcome, _) = bn(PaperTable::Punch, 31, increments);
-        assert_eq!((model.mesh.cells.len(), model.contacts.len()), (880, 31));
+        assert_eq!((model.mesh.cells.len(), model.contact.nodes.len()), (880, 31));
         assert_eq!(outcome.status, Status::Converged);
         assert_eq!(outcome.records.last().unwrap().contact.open, 8);
         assert!((outcome.state.p_n.iter().sum::<f64>() - 5.330_137e6).abs() < 1e3);

@@ -20,7 +20,7 @@ fn sink(mesh: &str) -> Vec<[f64; 3]> {
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut common::Keep::default());
     assert_eq!(outcome.status, Status::Converged);
-    let u = model.dofs.displacements(&outcome.state.u);
+    let u = model.constraints.dofs.displacements(&outcome.state.u);
     model.mesh.nodes.iter().zip(u).filter(|(x, _)| x[1] == 1.0).map(|(_, u)| u).collect()
 }
 

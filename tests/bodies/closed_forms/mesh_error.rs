@@ -247,7 +247,7 @@ fn smooth(kind: CellKind, element: Element, poisson: f64, n: usize, rule: &[([f6
     let model = Model::build(&body).unwrap();
     let (mesh, law) = (&model.mesh, model.materials()[0]);
     let exact = Smooth { dimension: d, law };
-    let mut force = vec![0.0; model.dofs.free()];
+    let mut force = vec![0.0; model.constraints.dofs.free()];
     let at = |n: &[f64], nodes: &[[f64; 3]]| [0, 1, 2].map(|c| n.iter().zip(nodes).map(|(n, x)| n * x[c]).sum::<f64>());
     for cell in &mesh.cells {
         let nodes = mesh.points(&cell.nodes);
@@ -255,13 +255,16 @@ fn smooth(kind: CellKind, element: Element, poisson: f64, n: usize, rule: &[([f6
             let (n, (_, det)) = (shape(kind, *point), gradients(kind, *point, &nodes).unwrap());
             let b = exact.force(at(&n, &nodes));
             for (n, &node) in n.iter().zip(&cell.nodes) {
-                for (dof, along) in model.dofs.along(node, b) {
+                for (dof, along) in model.constraints.dofs.along(node, b) {
                     force[dof] += weight * det * n * along;
                 }
             }
         }
     }
-    let u = model.dofs.displacements(&solve(&assemble(mesh, &model.dofs, element, |_| law).unwrap(), &force));
+    let u = model
+        .constraints
+        .dofs
+        .displacements(&solve(&assemble(mesh, &model.constraints.dofs, element, |_| law).unwrap(), &force));
     let (mut square, mut energy) = (0.0, 0.0);
     for cell in &mesh.cells {
         let nodes = mesh.points(&cell.nodes);

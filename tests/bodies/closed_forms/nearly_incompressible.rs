@@ -25,7 +25,7 @@ impl Observer for Line<'_> {
             [x[0], model.stress_of_cell(e, place, time, &moved).unwrap()[2]]
         };
         self.hoop = self.points.iter().map(hoop).collect();
-        let contacts = self.model.contacts.iter().zip(&step.state.p_n);
+        let contacts = self.model.contact.nodes.iter().zip(&step.state.p_n);
         self.pressures = contacts.map(|(contact, p_n)| p_n / contact.weight).collect();
         ControlFlow::Continue(())
     }

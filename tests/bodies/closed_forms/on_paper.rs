@@ -29,7 +29,7 @@ fn contact_patch_test() {
         let scene = compressed(plane, 0.0);
         let model = discretise(&scene).unwrap();
         // Held along y by the foundation alone: K is singular.
-        assert_eq!(model.rigid_motions.len(), 1);
+        assert_eq!(model.constraints.rigid_motions.len(), 1);
         let problem = &model.problem;
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, Status::Converged, "{:?}", outcome.records.last());
@@ -37,7 +37,7 @@ fn contact_patch_test() {
         for (p_n, l) in outcome.state.p_n.iter().zip(problem.weight().unwrap()) {
             assert!((p_n / l / pressure - 1.0).abs() < 1e-12, "{p_n} {l}");
         }
-        for (x, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&outcome.state.u)) {
+        for (x, u) in model.mesh.nodes.iter().zip(model.constraints.dofs.displacements(&outcome.state.u)) {
             let exact = [e_x * x[0], -1e-5 + e_y * x[1]];
             assert!((0..2).all(|c| (u[c] - exact[c]).abs() < 1e-16), "{u:?} {exact:?}");
         }

@@ -17,11 +17,11 @@ fn solve(description: &Description) -> (Model, Vec<RecordedIncrement>) {
 /// The contact node nearest to `x`, and its normal stress at the end.
 fn stress_at(model: &Model, end: &RecordedIncrement, x: [f64; 2]) -> f64 {
     let distance = |i: &usize| {
-        let [a, b, _] = model.contacts[*i].position;
+        let [a, b, _] = model.contact.nodes[*i].position;
         (a - x[0]).hypot(b - x[1])
     };
-    let i = (0..model.contacts.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
-    end.state.p_n[i] / model.contacts[i].weight
+    let i = (0..model.contact.nodes.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+    end.state.p_n[i] / model.contact.nodes[i].weight
 }
 
 /// A ring pressed on a rigid shaft that is δ too thick, in plane stress (Lamé): `p = E δ / a / ((a² + b²) / (b² - a²) + ν)`.
@@ -39,7 +39,7 @@ fn shrink_fit() {
             .contact("inner", 0.0, shaft);
         let (model, increments) = solve(&ring);
         let resultant: f64 = increments[0].state.p_n.iter().sum();
-        let mean = resultant / model.contacts.iter().map(|contact| contact.weight).sum::<f64>();
+        let mean = resultant / model.contact.nodes.iter().map(|contact| contact.weight).sum::<f64>();
         mean / exact - 1.0
     });
     println!("shrink fit: {errors:.6?}");
@@ -115,7 +115,7 @@ fn stick_under_a_growing_load() {
     let scene = common::scene("hertz_line.toml", &overrides);
     let (model, increments) = solve(&scene.description);
     let reaches = |end: &RecordedIncrement, wanted: &dyn Fn(ContactStatus) -> bool| {
-        let nodes = model.contacts.iter().zip(&end.statuses).filter(|(_, status)| wanted(**status));
+        let nodes = model.contact.nodes.iter().zip(&end.statuses).filter(|(_, status)| wanted(**status));
         nodes.map(|(contact, _)| contact.position[0]).fold(0.0, f64::max)
     };
     for k in [24, 36, 48] {

@@ -99,7 +99,7 @@ fn tube_errors(kind: CellKind, element: Element, plane: Option<Plane>, nu: f64, 
         };
         off[0] = off[0].max((found / hoop - 1.0).abs());
     }
-    for (contact, stress) in model.contacts.iter().zip(&surface) {
+    for (contact, stress) in model.contact.nodes.iter().zip(&surface) {
         let along = contact.frame[0];
         let around =
             if plane == Some(Plane::Axisymmetric) || along[2].abs() > 0.5 { stress.across } else { stress.along };
@@ -248,7 +248,7 @@ fn cylinder([cells, element]: [&str; 2], elements: usize) -> [Errors; 3] {
         let of_stick = |x: f64| if c > 1e-3 * hertz.a { c / hertz.a * drawn(x / c) } else { 0.0 };
         let exact = |x: f64| -hertz.pressure(x) - 2.0 * mu * hertz.p0 * (drawn(x / hertz.a) - of_stick(x));
         let (mut sums, mut weight, mut most) = ([0.0; 2], 0.0, f64::MIN);
-        for (contact, along) in model.contacts.iter().zip(along) {
+        for (contact, along) in model.contact.nodes.iter().zip(along) {
             let x = contact.position[0] - middle;
             if x.abs() < 2.5 * hertz.a {
                 for (sum, found) in sums.iter_mut().zip([along.along, nodal[contact.node][0]]) {

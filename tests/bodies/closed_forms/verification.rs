@@ -21,7 +21,7 @@ fn sum(values: &[f64]) -> f64 {
 
 /// How far the contact forces are from those of an exact stress, on the one boundary of the scene.
 fn distance(model: &Model, forces: &[f64], exact: impl Fn([f64; 3]) -> f64) -> f64 {
-    convergence::distance(model, &model.contact_boundaries[0].name, forces, exact)
+    convergence::distance(model, &model.contact.boundaries[0].name, forces, exact)
 }
 
 /// On meshes with so many `elements`, the errors of p0 and of a fall with each refinement, to less than 2 %. The end of the
@@ -46,9 +46,9 @@ fn hertz_line(elements: usize) -> [f64; 3] {
     let (model, outcome) = solve("hertz_line.toml", &mesh.each_ref().map(String::as_str), &mut ());
     let p_n = &outcome.state.p_n;
     let hertz = Hertz::line(2.0 * sum(p_n), RADIUS, YOUNG / (1.0 - 0.09));
-    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * contact.position[0].powi(2)).sum();
+    let moment: f64 = p_n.iter().zip(&model.contact.nodes).map(|(p, contact)| p * contact.position[0].powi(2)).sum();
     let a = 2.0 * (moment / sum(p_n)).sqrt();
-    let p0 = p_n[0] / model.contacts[0].weight;
+    let p0 = p_n[0] / model.contact.nodes[0].weight;
     [p0 / hertz.p0 - 1.0, a / hertz.a - 1.0, distance(&model, p_n, |x| hertz.pressure(x[0]))]
 }
 
@@ -73,7 +73,7 @@ fn indenting_wedge(elements: usize) -> [f64; 2] {
     let outcome = history_of(&model, &[1.0], &settings, linear, &mut ());
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;
-    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * contact.position[0].powi(2)).sum();
+    let moment: f64 = p_n.iter().zip(&model.contact.nodes).map(|(p, contact)| p * contact.position[0].powi(2)).sum();
     let a = (6.0 * moment / sum(p_n)).sqrt();
     let stiffness = YOUNG / (1.0 - 0.09) * slope;
     let exact = |x: [f64; 3]| if x[0] < a { stiffness / std::f64::consts::PI * (a / x[0]).acosh() } else { 0.0 };
@@ -98,10 +98,11 @@ fn hertz_sphere(n: usize) -> [f64; 3] {
     let p_n = &outcome.state.p_n;
     let hertz = Hertz::sphere(4.0 * sum(p_n), RADIUS, YOUNG / (1.0 - 0.09));
     let radius = |x: [f64; 3]| x[0].hypot(x[1]);
-    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * radius(contact.position).powi(2)).sum();
+    let moment: f64 =
+        p_n.iter().zip(&model.contact.nodes).map(|(p, contact)| p * radius(contact.position).powi(2)).sum();
     let a = (2.5 * moment / sum(p_n)).sqrt();
-    let middle = model.contacts.iter().position(|contact| radius(contact.position) == 0.0).unwrap();
-    let p0 = p_n[middle] / model.contacts[middle].weight;
+    let middle = model.contact.nodes.iter().position(|contact| radius(contact.position) == 0.0).unwrap();
+    let p0 = p_n[middle] / model.contact.nodes[middle].weight;
     [p0 / hertz.p0 - 1.0, a / hertz.a - 1.0, distance(&model, p_n, |x| hertz.pressure(radius(x)))]
 }
 
@@ -125,7 +126,8 @@ fn indenting_cone(n: usize) -> [f64; 2] {
     assert_eq!(outcome.status, Status::Converged);
     let p_n = &outcome.state.p_n;
     let radius = |x: [f64; 3]| x[0].hypot(x[1]);
-    let moment: f64 = p_n.iter().zip(&model.contacts).map(|(p, contact)| p * radius(contact.position).powi(2)).sum();
+    let moment: f64 =
+        p_n.iter().zip(&model.contact.nodes).map(|(p, contact)| p * radius(contact.position).powi(2)).sum();
     let a = (3.0 * moment / sum(p_n)).sqrt();
     let stiffness = YOUNG / (1.0 - 0.09) * slope;
     let exact = |x: [f64; 3]| if radius(x) < a { 0.5 * stiffness * (a / radius(x)).acosh() } else { 0.0 };
@@ -171,12 +173,12 @@ fn mindlin_sphere() {
         state.p_n[i] > 0.0 && state.p_t[i].hypot(state.p_o[i]) < limit
     };
     let sticking: Vec<[f64; 3]> =
-        (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].position).collect();
+        (0..model.contact.nodes.len()).filter(|&i| sticks(i)).map(|i| model.contact.nodes[i].position).collect();
     let extent =
         |along: fn(f64, f64) -> f64| sticking.iter().map(|x| along(x[0] - middle, x[1])).fold(0.0_f64, f64::max);
     let ends = [extent(|x, y| if y == 0.0 { x } else { 0.0 }), extent(|x, y| if y == 0.0 { -x } else { 0.0 })];
     let aside = extent(|x, y| if x.abs() < 1e-9 { y } else { 0.0 });
-    let area: f64 = (0..model.contacts.len()).filter(|&i| sticks(i)).map(|i| model.contacts[i].weight).sum();
+    let area: f64 = (0..model.contact.nodes.len()).filter(|&i| sticks(i)).map(|i| model.contact.nodes[i].weight).sum();
     let mean = (2.0 * area / std::f64::consts::PI).sqrt();
     println!("share {share}, a {}, c {c}, along {ends:?}, across {aside}, of the area {mean}", hertz.a);
     assert!([ends[0], ends[1], aside, mean].iter().all(|radius| (radius - c).abs() < h), "{ends:?} {aside} {mean} {c}");
@@ -199,8 +201,8 @@ fn cattaneo_mindlin_line(elements: usize) -> [f64; 2] {
         let state = &keep.states[k];
         let hertz = Hertz::line(sum(&state.p_n), RADIUS, YOUNG / (1.0 - 0.499_f64.powi(2)));
         let sticks = |i: usize| state.p_n[i] > 0.0 && state.p_t[i].abs() < (1.0 - 1e-9) * mu * state.p_n[i];
-        let place = |i: usize| model.contacts[i].position[0] - middle;
-        let sticking: Vec<f64> = (0..model.contacts.len()).filter(|&i| sticks(i)).map(place).collect();
+        let place = |i: usize| model.contact.nodes[i].position[0] - middle;
+        let sticking: Vec<f64> = (0..model.contact.nodes.len()).filter(|&i| sticks(i)).map(place).collect();
         let c = hertz.stick(reversal);
         let ends = [-1.0, 1.0].map(|side| sticking.iter().fold(0.0_f64, |m, x| m.max(side * x)));
         println!("{elements}: shares {shares:?}, a {}, stick to {ends:?}, closed form {c}", hertz.a);
@@ -286,9 +288,10 @@ fn wedge() {
 fn guide_force(model: &Model, u: &[f64]) -> f64 {
     let all = Dofs::new(&model.mesh, |_, _| false);
     let stiffness = assemble(&model.mesh, &all, model.element(), |e| model.materials()[e]).unwrap();
-    let displacements: Vec<f64> = model.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
+    let displacements: Vec<f64> =
+        model.constraints.dofs.displacements(u).iter().flat_map(|u| u[..2].to_vec()).collect();
     let forces = stiffness.times(&displacements).unwrap();
-    let supported = (0..model.mesh.nodes.len()).filter(|&node| model.dofs.node(node)[0].is_none());
+    let supported = (0..model.mesh.nodes.len()).filter(|&node| model.constraints.dofs.node(node)[0].is_none());
     supported.map(|node| forces[2 * node]).sum()
 }
 
@@ -309,7 +312,7 @@ fn ssnv128() {
         let (model, outcome) =
             solve("ssnv128.toml", &[&overrides[0]], &mut each(|step| statuses = step.statuses.to_vec()));
         for (x, published, exact) in table {
-            let i = model.contacts.iter().position(|contact| (contact.position[0] - x).abs() < 1e-9).unwrap();
+            let i = model.contact.nodes.iter().position(|contact| (contact.position[0] - x).abs() < 1e-9).unwrap();
             let u = 1e5 * model.problem.c_t().times(&outcome.state.u).unwrap()[i];
             assert!((u / exact - 1.0).abs() < 1e-3, "{x}: {u} {exact}");
             assert!((u / published - 1.0).abs() < 0.05, "{x}: {u} {published}");

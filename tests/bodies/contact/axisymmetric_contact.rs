@@ -49,7 +49,7 @@ fn parabolas_on_cylinders() {
             let model = discretise(&cylinder(cells, n, element, poisson, mu)).unwrap();
             // A node on the axis cannot slide.
             let cannot = |contact: &ContactNode| contact.tangents[0].is_empty() == (contact.position[0] == 0.0);
-            assert!(model.contacts.iter().all(cannot));
+            assert!(model.contact.nodes.iter().all(cannot));
             for (method, linear) in methods() {
                 let solver = SolverChoice { method: method.into(), linear: Some(linear), ..SolverChoice::default() };
                 let state = solve(&model, &[1.0], solver, &mut ()).state;
@@ -57,7 +57,7 @@ fn parabolas_on_cylinders() {
                 // The node between the axis and the next corner pulls at the axis with half its friction, which the other program
                 // counts at the axis.
                 let beside = |contact: &ContactNode| contact.ends.is_some() && contact.position[0] < 0.2;
-                found[1] += model.contacts.iter().position(beside).map_or(0.0, |i| 0.5 * state.p_t[i].abs());
+                found[1] += model.contact.nodes.iter().position(beside).map_or(0.0, |i| 0.5 * state.p_t[i].abs());
                 for (found, expected) in found.into_iter().zip(expected) {
                     let close = (found - expected).abs() <= 2e-9 * expected.abs() + 1e-16;
                     assert!(close, "{cells} {element} {mu} {solver:?}: {found:.10e} {expected:.10e}");
@@ -158,9 +158,9 @@ fn spheres_and_punches() {
         let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
         let found = sums(&state)[0];
         if round {
-            let axis = model.contacts.iter().position(|contact| contact.position[0] == 0.0).unwrap();
+            let axis = model.contact.nodes.iter().position(|contact| contact.position[0] == 0.0).unwrap();
             let hertz = Hertz::sphere(found, 1.0, modulus);
-            let share = state.p_n[axis] / model.contacts[axis].weight / hertz.p0;
+            let share = state.p_n[axis] / model.contact.nodes[axis].weight / hertz.p0;
             println!(
                 "sphere, {kind:?} {element:?} {n}: force {:+.4}, pressure on the axis {share:.4}",
                 found / exact - 1.0
@@ -194,7 +194,7 @@ fn contact_patch_tests() {
                 body.element = element;
                 let model = Model::build(&body).unwrap();
                 let state = solve(&model, &[1.0], SolverChoice::default(), &mut ()).state;
-                for (contact, p) in model.contacts.iter().zip(&state.p_n) {
+                for (contact, p) in model.contact.nodes.iter().zip(&state.p_n) {
                     let off = p / contact.weight / pressure - 1.0;
                     assert!(off.abs() < within, "{cells:?} {element:?} {inner}: {:?} {off:e}", contact.position);
                 }

@@ -48,8 +48,8 @@ fn a_roller_takes_the_place_of_another() {
     let [bottom] = &report.boundaries[..] else { panic!() };
     let on = |k: usize| bottom.obstacles[k].force[1];
     assert!((on(0) + force(&both[7])).abs() < 1e-9 * force(&both[7]) && on(1) == 0.0, "{} {}", on(0), on(1));
-    let assigned: Vec<usize> = (0..model.contacts.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
-    assert!(assigned.iter().zip(&model.contacts).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
+    let assigned: Vec<usize> = (0..model.contact.nodes.len()).filter_map(|i| Some(model.assigned(i, 2.0)?.0)).collect();
+    assert!(assigned.iter().zip(&model.contact.nodes).all(|(k, contact)| *k == 0 || contact.position[0] > 1.5));
 }
 
 /// Nodes of second order, too, follow the nearest obstacle: at each time the gaps are those that the obstacles have if they stand there.
@@ -66,7 +66,7 @@ fn gaps_of_second_order_follow_the_nearest_obstacle() {
     let moving = body(vec![roller(0.5), plane()]);
     let stands = body(vec![standing(1.5), plane()]);
     let [there, here] = [moving.loading.gaps_at(2.0), stands.loading.gaps_at(2.0)];
-    assert_eq!(moving.contacts.len(), stands.contacts.len());
+    assert_eq!(moving.contact.nodes.len(), stands.contact.nodes.len());
     assert!(there.iter().zip(&here).all(|(a, b)| (a - b).abs() < 1e-12), "{there:?} {here:?}");
 }
 
@@ -283,7 +283,7 @@ fn triangles_that_are_chords() {
     let pressed = |triangles: &[Triangle]| {
         let (body, _file) = on_triangles(triangles, 5e-3);
         let (model, states, report) = recorded(&body);
-        let pressures = model.contacts.iter().zip(&states[0].p_n).map(|(contact, p)| p / contact.weight);
+        let pressures = model.contact.nodes.iter().zip(&states[0].p_n).map(|(contact, p)| p / contact.weight);
         (pressures.fold(0.0, f64::max), report)
     };
     let (exact, _) = pressed(&strips(&arc(1600)));

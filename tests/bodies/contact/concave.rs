@@ -59,14 +59,14 @@ fn what_is_too_large_for_its_bore_is_squeezed() {
             description = description.support("front", &[Axis::Y]).contact("back", 0.9, nearest(shape(1), &apex(1)));
         }
         let (model, state) = solved(&description);
-        for (x, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&state.u)) {
+        for (x, u) in model.mesh.nodes.iter().zip(model.constraints.dofs.displacements(&state.u)) {
             assert!((0..3).all(|c| (u[c] + delta * x[c]).abs() < 1e-9 * delta), "{x:?} {u:?}");
         }
         let pressure = young * delta / (1.0 - 2.0 * poisson) / if dimension == 2 { 1.0 + poisson } else { 1.0 };
         // No contact node is there twice, and the forces on the boundaries are those on their facets.
         let nodes: std::collections::BTreeSet<usize> = facets.iter().flatten().copied().collect();
-        assert_eq!(model.contacts.len(), nodes.len());
-        let whole: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
+        assert_eq!(model.contact.nodes.len(), nodes.len());
+        let whole: f64 = model.contact.nodes.iter().map(|contact| contact.weight).sum();
         let areas: f64 = facets.iter().map(|facet| norm(mesh.area_vector(facet))).sum();
         assert!((whole / areas - 1.0).abs() < 1e-3, "{whole} {areas}");
         // On the symmetry planes supports bear what friction does across them, so only free components are compared.
@@ -79,11 +79,11 @@ fn what_is_too_large_for_its_bore_is_squeezed() {
                 }
             }
         }
-        for (i, contact) in model.contacts.iter().enumerate().filter(|_| dimension == 2) {
+        for (i, contact) in model.contact.nodes.iter().enumerate().filter(|_| dimension == 2) {
             let [t, _] = contact.facing.tangents;
             let n = contact.facing.normal;
             let force = [0, 1].map(|c| state.p_n[i] * n[c] + state.p_t[i] * t[c]);
-            let free = model.dofs.node(contact.node);
+            let free = model.constraints.dofs.node(contact.node);
             for c in (0..2).filter(|&c| free[c].is_some()) {
                 let f = expected[contact.node][c];
                 assert!((force[c] - f).abs() < 1e-8 * pressure, "{:?}: {force:?} {f}", contact.position);
@@ -141,9 +141,9 @@ fn gaps_end_on_the_surface_wherever_it_has_gone() {
                     .support("bottom", &[Axis::X, Axis::Y, Axis::Z])
                     .contact("top", 0.1, given);
             let model = Model::build(&description).unwrap();
-            assert_eq!(model.contacts.len(), 16);
+            assert_eq!(model.contact.nodes.len(), 16);
             for (t, share) in [(0.0, 0.0), (1.0, 0.5), (2.0, 1.0)] {
-                for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
+                for (contact, gap) in model.contact.nodes.iter().zip(model.loading.gaps_at(t)) {
                     let (x, n) = (contact.position, contact.facing.normal);
                     let end = back(
                         [0, 1, 2].map(|c| x[c] + gap * n[c]),

@@ -233,7 +233,7 @@ material = { young = 2e11, poisson = 0, plane = "stress" }
         .with_support(Support::new("", &[]).of_coupling("ends", &[Axis::Z]))
         .load(Load::from(stickslip::body::Action::Force { at: Where::Coupling("ends".into()), force: vec![6e5, 0.0] }));
     let model = Model::build(&both).unwrap();
-    assert!(model.rigid_motions.is_empty(), "{:?}", model.rigid_motions);
+    assert!(model.constraints.rigid_motions.is_empty(), "{:?}", model.constraints.rigid_motions);
     let report = balanced(&model, bn());
     let end = point(&report, "ends");
     near(&end.displacement, &[6e5 * 0.1 / (2e11 * 0.03), 0.0], 1e-9);
@@ -241,7 +241,7 @@ material = { young = 2e11, poisson = 0, plane = "stress" }
     near(&report.reactions[0].supports[1].force, &[-2e5, 0.0], 1e-9);
     // Without the coupling the thin bar may move along y.
     let apart = Description { couplings: Vec::new(), supports: both.supports[..2].to_vec(), loads: Vec::new(), ..both };
-    assert_eq!(Model::build(&apart).unwrap().rigid_motions.len(), 1);
+    assert_eq!(Model::build(&apart).unwrap().constraints.rigid_motions.len(), 1);
 }
 
 /// A disc at the end of a shaft moves along the axis only.

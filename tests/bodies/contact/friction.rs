@@ -18,7 +18,7 @@ fn friction_by_formula_is_that_of_each_node() {
             .contact("bottom", formula, belt);
     let (model, states) = solved(&description);
     let state = &states[1];
-    for (i, contact) in model.contacts.iter().enumerate() {
+    for (i, contact) in model.contact.nodes.iter().enumerate() {
         let mu = 0.1 + 0.2 * contact.position[0];
         assert!((model.problem.mu()[i] - mu).abs() < 1e-15);
         assert!((state.p_t[i] + mu * state.p_n[i]).abs() < 1e-9 * 1e5, "{i}");
@@ -74,7 +74,7 @@ fn friction_with_a_history() {
         assert_eq!(run.history(&mut recording).unwrap().status, Status::Converged, "{method:?}");
         for (k, t) in [(1, 2.0), (2, 3.0)] {
             let increment = &recording.increments[k];
-            for (i, contact) in model.contacts.iter().enumerate() {
+            for (i, contact) in model.contact.nodes.iter().enumerate() {
                 let mu = expected(t, contact.position[0]);
                 assert!((increment.mu[i] - mu).abs() < 1e-15, "{t} {:?}", contact.position);
                 let full = mu * increment.state.p_n[i];

@@ -30,9 +30,9 @@ fn largest_difference(a: &[State], b: &[State]) -> f64 {
 #[test]
 fn an_obstacle_smaller_than_the_face_leaves_the_rest_open() {
     let (model, small) = belt("{ kind = \"cylinder\", radius = 0.3, apex = [0.5, 0] }");
-    let places: Vec<f64> = model.contacts.iter().map(|contact| contact.position[0]).collect();
+    let places: Vec<f64> = model.contact.nodes.iter().map(|contact| contact.position[0]).collect();
     assert_eq!(places, [0.25, 0.375, 0.5, 0.625, 0.75]);
-    assert_eq!(model.contact_boundaries[0].unreached, 4);
+    assert_eq!(model.contact.boundaries[0].unreached, 4);
     let left_out = EliminatedUnknown::all(&model, false, None);
     assert!(left_out.iter().any(|out| (out.count, out.unknown) == (4, "p_n") && out.reason.contains("ever reaches")));
     assert!(left_out.iter().all(|out| !out.reason.contains("along the normal")));
@@ -55,9 +55,9 @@ fn a_small_roller_reaches_nodes_later() {
     };
     let model = scene(rolls);
     // From 0.05 to 0.95 in the end.
-    assert_eq!(model.contacts.len(), 7);
+    assert_eq!(model.contact.nodes.len(), 7);
     for (t, x) in [(0.0, 0.25), (0.5, 0.375), (1.0, 0.5), (2.0, 0.75)] {
-        for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
+        for (contact, gap) in model.contact.nodes.iter().zip(model.loading.gaps_at(t)) {
             let aside = contact.position[0] - x;
             // As far as the boundary is long where the roller is not.
             let expected = if aside.abs() < 0.2 { 0.2 - (0.04 - aside * aside).sqrt() } else { 1.0 };
@@ -66,7 +66,7 @@ fn a_small_roller_reaches_nodes_later() {
     }
     // Straight towards the body it reaches no more than at first.
     let rises = "{ kind = \"cylinder\", radius = 0.2, apex = [0.25, 0], approach = [[0, 0], [2, 1e-3]] }";
-    assert_eq!(scene(rises).contacts.len(), 3);
+    assert_eq!(scene(rises).contact.nodes.len(), 3);
 }
 
 /// Two rollers under one face are as the nearer of two gaps at each node; the list may be one of tables or in a line.
@@ -75,7 +75,7 @@ fn of_several_obstacles_the_nearest_counts() {
     let one = "{ kind = \"cylinder\", radius = 0.3, apex = [0.3, 0] }";
     let other = "{ kind = \"cylinder\", radius = 0.5, apex = [0.7, -1e-5] }";
     let (model, both) = belt(&format!("[{one}, {other}]"));
-    let assigned: Vec<usize> = model.contacts.iter().filter_map(ContactNode::obstacle).collect();
+    let assigned: Vec<usize> = model.contact.nodes.iter().filter_map(ContactNode::obstacle).collect();
     assert_eq!(assigned, [0, 0, 0, 1, 1, 1, 1, 1]);
     let formula = |r: f64, x: f64, y: f64| {
         format!("{y} + {r} - sqrt(max(0, {r}^2 - (x - {x})^2)) + 1e3 * max(0, abs(x - {x}) - {r})")
@@ -131,16 +131,16 @@ fn boundaries_that_share_nodes_are_one_contact() {
         Obstacle::plane(0.0),
     ));
     let (whole, all) = solved(&pushed(source.clone()).contact("bottom", 0.3, Obstacle::plane(0.0)));
-    assert_eq!((model.contacts.len(), model.problem.mu()), (9, whole.problem.mu()));
+    assert_eq!((model.contact.nodes.len(), model.problem.mu()), (9, whole.problem.mu()));
     assert!(difference(&parts, &all) < 1e-9);
     let sum = |model: &Model, state: &State| {
         Resultant::all(model, 2.0, state).iter().fold([0.0; 2], |sum, one| [0, 1].map(|c| sum[c] + one.force[c]))
     };
     let ([x, y], [of_x, of_y]) = (sum(&model, &parts[3]), sum(&whole, &all[3]));
     assert!((x - of_x).abs() < 1e-6 * of_y.abs() && (y - of_y).abs() < 1e-9 * of_y.abs());
-    let [one, two] = &model.contact_boundaries[..] else { panic!() };
+    let [one, two] = &model.contact.boundaries[..] else { panic!() };
     assert_eq!((one.nodes.len(), two.nodes.len(), one.nodes[3], two.nodes[0]), (4, 6, 3, 3));
-    assert_eq!(one.parts(&model.contacts).map(|(_, part)| part).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 0.5]);
+    assert_eq!(one.parts(&model.contact.nodes).map(|(_, part)| part).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 0.5]);
 
     let (solved, _) =
         solved(&pushed(source).contact("one", 0.2, Obstacle::plane(0.0)).contact("two", 0.4, Obstacle::plane(0.0)));
@@ -159,7 +159,7 @@ fn of_the_obstacles_of_shared_nodes_the_nearest_counts() {
     };
     for (gaps, at_first, in_the_end) in [([1e-3, 2e-3], 1e-3, 1e-3), ([2e-3, 1e-3], 1e-3, 0.9e-3)] {
         let model = contact(gaps);
-        let seam = model.contacts.iter().position(|contact| contact.position[0] == 0.375).unwrap();
+        let seam = model.contact.nodes.iter().position(|contact| contact.position[0] == 0.375).unwrap();
         assert!((model.loading.gaps_at(0.0)[seam] - at_first).abs() < 1e-15);
         assert!((model.loading.gaps_at(2.0)[seam] - in_the_end).abs() < 1e-15, "{gaps:?}");
     }
@@ -179,8 +179,8 @@ fn a_box_of_three_walls() {
     let walls = vec![wall([-0.1, 0.0], [-1.0, 0.0]), wall([0.0, -1e-3], [0.0, -1.0]), wall([1.2, 0.0], [1.0, 0.0])];
     let description = Description::new(mesh, Material::new(1e9, 0.3), vec![1.0]).contact("skin", 0.1, walls);
     let model = Model::build(&description).unwrap();
-    assert_eq!(model.contacts.len(), 8 + 5 + 8);
-    for contact in &model.contacts {
+    assert_eq!(model.contact.nodes.len(), 8 + 5 + 8);
+    for contact in &model.contact.nodes {
         let [x, y, _] = contact.position;
         let (wall, gap) = match () {
             () if y == 0.0 => (1, 1e-3),
@@ -251,22 +251,23 @@ fn a_ring_on_a_shaft_in_parts() {
     let error = Model::build(&parts.clone().contact("bore", 0.3, shaft([-1.0, 0.0]))).unwrap_err().to_string();
     assert!(error.starts_with("contact[4].boundary: the boundaries `q3` and `bore` have the facet at ("), "{error}");
     let (model, four) = solved(&parts);
-    assert_eq!((model.contacts.len(), whole.contacts.len()), (around, around));
+    assert_eq!((model.contact.nodes.len(), whole.contact.nodes.len()), (around, around));
     let order: Vec<usize> = whole
-        .contacts
+        .contact
+        .nodes
         .iter()
-        .map(|contact| model.contacts.iter().position(|other| other.node == contact.node).unwrap())
+        .map(|contact| model.contact.nodes.iter().position(|other| other.node == contact.node).unwrap())
         .collect();
     let largest = largest(&once[0].p_n);
     assert!(largest > 0.0);
     // All the way round the tangent is the normal turned by +90°, and the tangential forces make up the moment of the shaft.
-    for contact in whole.contacts.iter().chain(&model.contacts) {
+    for contact in whole.contact.nodes.iter().chain(&model.contact.nodes) {
         let ([x, y, _], [t, _]) = (contact.facing.normal, contact.frame);
         assert!(norm(minus(t, [-y, x, 0.0])) < 1e-15, "{contact:?}");
     }
     for (i, &j) in order.iter().enumerate() {
         assert!((once[0].p_n[i] - four[0].p_n[j]).abs() < 1e-8 * largest, "{i}");
-        assert!((whole.contacts[i].weight - model.contacts[j].weight).abs() < 1e-12);
+        assert!((whole.contact.nodes[i].weight - model.contact.nodes[j].weight).abs() < 1e-12);
     }
 }
 
@@ -289,7 +290,7 @@ fn what_has_moved_before_the_beginning_is_there() {
     let still = body(0.01, 0.0, 2.4e-3);
     for (apex, before) in [(0.02, -0.01), (0.018, -0.008), (0.003, 0.007)] {
         let moved = body(apex, before, 2.4e-3);
-        for (a, b) in still.contacts.iter().zip(&moved.contacts) {
+        for (a, b) in still.contact.nodes.iter().zip(&moved.contact.nodes) {
             assert_eq!((a.node, a.obstacle()), (b.node, b.obstacle()), "{apex}");
         }
         let (gaps, expected) = (moved.loading.gaps_at(1.0), still.loading.gaps_at(1.0));

@@ -183,13 +183,17 @@ fn a_free_section_is_a_rigid_motion() {
     let loose = &BAR[..BAR.find("[[support]]\nboundary = \"upper:top\"").unwrap()];
     let loose = format!("{loose}{}", &BAR[BAR.find("[time]").unwrap()..]);
     let model = tightening(&parsed(&loose)).unwrap();
-    assert_eq!(model.rigid_motions.len(), 1);
-    assert!(model.rigid_motions[0].to_string().contains("a translation along (0, "), "{}", model.rigid_motions[0]);
+    assert_eq!(model.constraints.rigid_motions.len(), 1);
+    assert!(
+        model.constraints.rigid_motions[0].to_string().contains("a translation along (0, "),
+        "{}",
+        model.constraints.rigid_motions[0]
+    );
     let held = edit(&loose, "force = 1000", "shortening = 1");
-    assert!(tightening(&parsed(&held)).unwrap().rigid_motions.is_empty());
+    assert!(tightening(&parsed(&held)).unwrap().constraints.rigid_motions.is_empty());
     // Without a support the two parts are one body that moves and turns, and may separate.
     let free = edit(&loose, "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]\n", "");
-    assert_eq!(tightening(&parsed(&free)).unwrap().rigid_motions.len(), 4);
+    assert_eq!(tightening(&parsed(&free)).unwrap().constraints.rigid_motions.len(), 4);
 }
 
 /// A periodic strip is strained along its height only; with a free period it expands.

@@ -86,8 +86,8 @@ fn a_roller_passes() {
     let put = held("translation = [[0, 0, 0], [1, 0, 4e-3]]").replace("apex = [0.5, 0.0]", "apex = [0.75, 0.0]");
     let (_, put) = last(&put);
     assert!(right.iter().filter(|p| **p > 0.0).count() > 2 && right[0] == 0.0, "{right:?}");
-    for (i, contact) in model.contacts.iter().enumerate() {
-        let mirror = |x: f64| model.contacts.iter().position(|c| (c.position[0] + x - 1.0).abs() < 1e-9).unwrap();
+    for (i, contact) in model.contact.nodes.iter().enumerate() {
+        let mirror = |x: f64| model.contact.nodes.iter().position(|c| (c.position[0] + x - 1.0).abs() < 1e-9).unwrap();
         let other = left[mirror(contact.position[0])];
         assert!((right[i] - other).abs() < 1e-4 && (right[i] - put[i]).abs() < 1e-4, "{right:?} {left:?} {put:?}");
     }
@@ -101,7 +101,7 @@ fn gaps_are_exact_however_small_the_motion() {
         let text = roller(1.0, &format!("translation = [[0, 0, 0], [2, {aside:e}, 0]]"));
         let text = text.replace("motion = {", &format!("approach = [[0, 0], [2, {approach:e}]], motion = {{"));
         let model = model_of(&text);
-        for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(2.0)) {
+        for (contact, gap) in model.contact.nodes.iter().zip(model.loading.gaps_at(2.0)) {
             let s = contact.position[0] - 0.5 - aside;
             let error = (gap - (s * s / (1.0 + (1.0 - s * s).sqrt()) - approach)).abs();
             // The place of the node is rounded, too, and the surface in front of it slopes by about s.
@@ -130,7 +130,7 @@ fn a_plane_that_tips() {
     let text = BELT.replace("kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }", tips);
     let model = model_of(&text);
     for (t, angle) in [(0.5, 0.1_f64), (2.0, 0.4)] {
-        for (contact, gap) in model.contacts.iter().zip(model.loading.gaps_at(t)) {
+        for (contact, gap) in model.contact.nodes.iter().zip(model.loading.gaps_at(t)) {
             let expected = (1.0 - contact.position[0]) * angle.tan();
             assert!((gap - expected).abs() < 1e-12, "{t} {:?}: {gap} {expected}", contact.position);
         }

@@ -302,7 +302,7 @@ fn what_lies_beyond_the_end_does_not_count() {
     );
     let [within, beyond] = [within, overhanging].map(|scene| discretise(&scene).unwrap());
     assert_eq!(within.loading, beyond.loading);
-    assert_eq!(within.obstacles[0].1, beyond.obstacles[0].1);
+    assert_eq!(within.contact.obstacles[0].1, beyond.contact.obstacles[0].1);
     let deepest = beyond.loading.largest_interference();
     assert!(0.0 < deepest && deepest < 3e-4, "{deepest}");
     // Supports hold the left end of the bottom, which the obstacle would come to only later.

@@ -90,7 +90,7 @@ pub(super) fn pushed(cells: &str, elements: &str) -> (Scene, Model, Vec<f64>) {
 fn all_ways_agree() {
     for (cells, elements) in [("triangle6", "[6, 3]"), ("tetrahedron10", "[3, 2, 1]")] {
         let (_, model, times) = pushed(cells, elements);
-        assert!(model.contacts.iter().filter(|contact| contact.ends.is_some()).count() > 5);
+        assert!(model.contact.nodes.iter().filter(|contact| contact.ends.is_some()).count() > 5);
         // An increment that ends at a touch is degenerate, and the interior point method's matrix nearly singular.
         for halvings in [0, 6] {
             let states = |method: Method, linear: LinearAlgebra| {
@@ -143,7 +143,7 @@ fn bodies_that_only_contact_holds() {
         });
         assert!((sums(&states[0][0])[0] - 0.02).abs() < 1e-12);
         let pressures =
-            |state: &State| model.contacts.iter().zip(&state.p_n).map(|(c, p)| p / c.weight).collect::<Vec<_>>();
+            |state: &State| model.contact.nodes.iter().zip(&state.p_n).map(|(c, p)| p / c.weight).collect::<Vec<_>>();
         for state in states.iter().flatten() {
             assert!(pressures(state).iter().all(|p| (p / 0.02 - 1.0).abs() < 1e-9), "{cells}: {:?}", pressures(state));
         }
@@ -178,7 +178,7 @@ fn a_block_in_a_corner() {
         for linear in both() {
             let state =
                 solve(&model, &[1.0], SolverChoice { linear: Some(linear), ..SolverChoice::default() }, &mut ()).state;
-            for (contact, p) in model.contacts.iter().zip(&state.p_n) {
+            for (contact, p) in model.contact.nodes.iter().zip(&state.p_n) {
                 let pressure = if contact.facing.normal[0] == 1.0 { 0.01 } else { 0.02 };
                 // Friction takes a little off.
                 assert!((p / contact.weight / pressure - 1.0).abs() < 0.02, "{cells} {linear:?}: {p} of {contact:?}");

@@ -163,26 +163,27 @@ fn a_single_body_is_the_same_to_the_last_bit() {
         let (model, outcome) = solve(&scene);
         let (of_body, own) = solve(&parsed(&named));
         assert_eq!(of_body.mesh.boundary_names()[0], format!("{name}:bottom"));
-        assert_eq!((&model.mesh.nodes, &model.dofs), (&of_body.mesh.nodes, &of_body.dofs));
+        assert_eq!((&model.mesh.nodes, &model.constraints.dofs), (&of_body.mesh.nodes, &of_body.constraints.dofs));
         assert_eq!(outcome.state, own.state);
-        assert_eq!(model.rigid_motions[0].to_string(), of_body.rigid_motions[0].to_string());
+        assert_eq!(model.constraints.rigid_motions[0].to_string(), of_body.constraints.rigid_motions[0].to_string());
     }
 }
 
 #[test]
 fn bodies_that_do_not_meet_have_their_own_answers() {
     let (both, outcome) = solve(&parsed(&TWO));
-    assert_eq!(both.rigid_motions.len(), 2);
+    assert_eq!(both.constraints.rigid_motions.len(), 2);
     let bodies = both.mesh.bodies();
     for (k, name) in ["lower", "upper"].into_iter().enumerate() {
         let (model, own) = solve(&parsed(&only_body(name)));
-        let (all, u) = (both.dofs.displacements(&outcome.state.u), model.dofs.displacements(&own.state.u));
+        let (all, u) =
+            (both.constraints.dofs.displacements(&outcome.state.u), model.constraints.dofs.displacements(&own.state.u));
         let largest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
         for (node, u) in bodies.nodes(k).zip(u) {
             assert!((0..3).all(|c| (all[node][c] - u[c]).abs() < 1e-9 * largest), "{name}");
         }
         let forces = |model: &Model, p_n: &[f64]| -> Vec<f64> {
-            let of = model.contact_boundaries.iter().find(|boundary| {
+            let of = model.contact.boundaries.iter().find(|boundary| {
                 boundary.name.ends_with("bottom") && boundary.name.contains(name) || boundary.name == "bottom"
             });
             of.unwrap().nodes.iter().map(|&i| p_n[i]).collect()
@@ -201,7 +202,7 @@ fn verdicts_name_the_body() {
     let pulled = edit(&unheld, "traction = [1e6, -2e7]", "traction = [0, 2e7]");
     let scene = parsed(&pulled);
     let model = discretise(&scene).unwrap();
-    assert_eq!(model.rigid_motions.len(), 4);
+    assert_eq!(model.constraints.rigid_motions.len(), 4);
     let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::NoEquilibrium);
     assert!(report.explanation.reason.contains("the loads drive `upper`: a "), "{}", report.explanation.reason);
@@ -263,7 +264,7 @@ fn materials_of_bodies_from_rust() {
     let description = Description::new(MeshSource::Bodies(bodies), Material::of_bodies(materials).unwrap(), vec![1.0]);
     let held = description.support("foot:bottom", &[Axis::X, Axis::Y]).support("head:top", &[Axis::X, Axis::Y]);
     let model = Model::build(&held).unwrap();
-    assert!(model.rigid_motions.is_empty() && model.materials()[0] != model.materials()[7]);
+    assert!(model.constraints.rigid_motions.is_empty() && model.materials()[0] != model.materials()[7]);
     let nothing = Material::of_bodies([]).unwrap_err();
     assert_eq!((nothing.key.as_str(), nothing.message.as_str()), ("body", "there is no body"));
 }

@@ -87,10 +87,10 @@ fn a_cylinder_of_triangles_is_a_cylinder() {
                 "kind = \"surface\", file = \"{}\", scale = {scale}, direction = \"{direction}\", {MOTION}",
                 file.path()
             )));
-            assert_eq!(model.contacts.len(), round.contacts.len());
+            assert_eq!(model.contact.nodes.len(), round.contact.nodes.len());
             for t in [0.0, 1.0, 2.0] {
                 let gaps = model.loading.gaps_at(t).into_iter().zip(round.loading.gaps_at(t));
-                for (contact, (gap, exact)) in model.contacts.iter().zip(gaps) {
+                for (contact, (gap, exact)) in model.contact.nodes.iter().zip(gaps) {
                     let off = gap - exact;
                     // Nearest normals are those of the strips, and turn by half a strip's angle at most.
                     let leaning = if direction == "nearest" { 0.06 / strips as f64 } else { 0.0 };
@@ -115,7 +115,7 @@ fn a_sheet_smaller_than_the_face() {
     let sheet = |from: f64| Scratch::new("sheet.stl", ascii(&cylinder(200, from, 0.2)).as_bytes());
     let nodes = |direction: &str, file: &Scratch| {
         let scene = slab(&format!("kind = \"surface\", file = \"{}\", direction = \"{direction}\"", file.path()));
-        model_of(&scene).contacts.len()
+        model_of(&scene).contact.nodes.len()
     };
     let (whole, part) = (sheet(0.0), 3 * 17);
     assert_eq!([nodes("normal", &whole), nodes("nearest", &whole)], [part; 2]);
@@ -128,7 +128,7 @@ fn a_sheet_smaller_than_the_face() {
     let square = Scratch::new("square.msh", square.as_bytes());
     let scene = slab(&format!("kind = \"surface\", file = \"{}\"", square.path()));
     let model = model_of(&scene);
-    assert!(model.contacts.len() == part && model.contacts.iter().all(|contact| contact.facing.gap == 0.125));
+    assert!(model.contact.nodes.len() == part && model.contact.nodes.iter().all(|contact| contact.facing.gap == 0.125));
 }
 
 /// Cracks that exporters leave between strips, also where corners of one side are between those of the other, cost no node its contact.
@@ -164,7 +164,7 @@ fn cracks_that_exporters_leave() {
                     .map(|corners| corners.map(|x| narrower([x[0].max(0.0), x[1], x[2]])));
                 let file = Scratch::new("cracked.stl", ascii(&left.chain(right).collect::<Vec<_>>()).as_bytes());
                 let (cracked, found) = of(&file);
-                assert_eq!(cracked.contacts.len(), model.contacts.len(), "{direction} {width} {rows}");
+                assert_eq!(cracked.contact.nodes.len(), model.contact.nodes.len(), "{direction} {width} {rows}");
                 let change = force(&found) / force(&states) - 1.0;
                 assert!(change.abs() < 1e-3, "{direction} {width} {rows}: {change}");
             }

@@ -203,7 +203,7 @@ fn gaps_of_nodes_under_the_side_keep_their_digits() {
     for side in [0.1, 0.1 - 1e-16, 0.1 - 1e-13, 0.1 - 1e-10, 0.1 - 1e-7] {
         let text = scene(&format!("kind = \"cylinder\", radius = 0.1, apex = [{}, 1e-4], {moves}", 0.5 - side));
         let model = model_of(&text);
-        let node = model.contacts.iter().position(|contact| (contact.position[0] - 0.5).abs() < 1e-9).unwrap();
+        let node = model.contact.nodes.iter().position(|contact| (contact.position[0] - 0.5).abs() < 1e-9).unwrap();
         for k in 1..=3 {
             let t = 0.1 * f64::from(k);
             let s = 0.06 * f64::from(k) - side;

@@ -164,27 +164,27 @@ fn a_slab_is_plane() {
     let slab = parsed_with(&text, &[&size, &elements, "load[2].traction=[0,0,0]"]);
     let ((plane, flat, flat_states), space) = (solve(&block), discretise(&slab).unwrap());
     let in_plane = |contact: &ContactNode| {
-        plane.contacts.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
+        plane.contact.nodes.iter().position(|c| (c.position[0] - contact.position[0]).abs() < 1e-9).unwrap()
     };
     // Alone, either of the two nodes across the slab is softer; with the same r, for half of the thickness, the way is the same.
     let mut settings = undivided(&space, &slab, Method::BN);
     let natural = FormulationScaling::natural(&plane.problem);
-    let across = |r: &[f64]| space.contacts.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
+    let across = |r: &[f64]| space.contact.nodes.iter().map(|contact| 0.5 * thickness * r[in_plane(contact)]).collect();
     (settings.conventions.r_n, settings.conventions.r_t) = (across(&natural.r_n), across(&natural.r_t));
     let (thick, thick_states) = recorded(&space, &slab.time.all(), &settings, LinearAlgebra::condensed());
     assert_eq!(thick.status, Status::Converged);
     assert_eq!(iterations(&flat), iterations(&thick));
-    assert_eq!(space.contacts.len(), 2 * plane.contacts.len());
+    assert_eq!(space.contact.nodes.len(), 2 * plane.contact.nodes.len());
     for (flat, thick) in flat_states.states.iter().zip(&thick_states.states) {
         let largest = largest(&flat.p_n);
-        let u = plane.dofs.displacements(&flat.u);
+        let u = plane.constraints.dofs.displacements(&flat.u);
         let longest = u.iter().flatten().fold(0.0_f64, |m, u| m.max(u.abs()));
-        for (x, found) in space.mesh.nodes.iter().zip(space.dofs.displacements(&thick.u)) {
+        for (x, found) in space.mesh.nodes.iter().zip(space.constraints.dofs.displacements(&thick.u)) {
             let node = plane.mesh.nodes.iter().position(|y| (y[0] - x[0]).hypot(y[1] - x[2]) < 1e-9).unwrap();
             let error = [found[0] - u[node][0], found[1], found[2] - u[node][1]];
             assert!(error.iter().all(|e| e.abs() < 1e-9 * longest), "{x:?}: {error:?}");
         }
-        for (i, contact) in space.contacts.iter().enumerate() {
+        for (i, contact) in space.contact.nodes.iter().enumerate() {
             let k = in_plane(contact);
             // Either face of the slab has half of the force.
             for (found, exact) in [(thick.p_n[i], flat.p_n[k]), (thick.p_t[i], flat.p_t[k]), (thick.p_o[i], 0.0)] {
@@ -201,7 +201,7 @@ fn forces(model: &Model, keep: &Keep) -> Vec<Vec<[f64; 3]>> {
             let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
             [0, 1, 2].map(|c| state.p_n[i] * n[c] + state.p_t[i] * t[c] + state.p_o[i] * o[c])
         };
-        model.contacts.iter().enumerate().map(force).collect()
+        model.contact.nodes.iter().enumerate().map(force).collect()
     };
     keep.states.iter().map(of).collect()
 }
@@ -284,7 +284,7 @@ fn a_turned_scene_gives_turned_results() {
     let difference = largest_difference(&turned, &forces(&other, &states));
     assert!(difference < 1e-9, "{difference:e}");
     let displacements = |model: &Model, keep: &Keep| -> Vec<Vec<[f64; 3]>> {
-        keep.states.iter().map(|state| model.dofs.displacements(&state.u)).collect()
+        keep.states.iter().map(|state| model.constraints.dofs.displacements(&state.u)).collect()
     };
     let turned: Vec<Vec<_>> =
         displacements(&model, &keep).into_iter().map(|u| u.into_iter().map(turn).collect()).collect();

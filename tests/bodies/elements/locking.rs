@@ -129,7 +129,7 @@ fn block_corner(n: usize, element: &str) -> [f64; 3] {
     let model = discretise(&scene).unwrap();
     let outcome = common::run(&scene, &model, &mut common::Keep::default());
     assert_eq!(outcome.status, Status::Converged, "{n} x {n} {element}");
-    model.dofs.displacements(&outcome.state.u)[(n + 1) * (n + 1) - 1]
+    model.constraints.dofs.displacements(&outcome.state.u)[(n + 1) * (n + 1) - 1]
 }
 
 #[test]

@@ -382,13 +382,13 @@ fn contact_patch_test() {
         let model = discretise(&scene).unwrap();
         let outcome = common::run(&scene, &model, &mut ());
         assert_eq!(outcome.status, stickslip::solver::history::Status::Converged, "{cells}");
-        assert_eq!(model.contacts.len(), model.mesh.boundary("bottom").unwrap().nodes().len());
-        for (contact, p_n) in model.contacts.iter().zip(&outcome.state.p_n) {
+        assert_eq!(model.contact.nodes.len(), model.mesh.boundary("bottom").unwrap().nodes().len());
+        for (contact, p_n) in model.contact.nodes.iter().zip(&outcome.state.p_n) {
             assert!((p_n / contact.weight / pressure - 1.0).abs() < 1e-9, "{cells}: {p_n} of {contact:?}");
         }
         // Plane strain holds one lateral strain, space none.
         let modulus = if d == 2 { young / (1.0 - poisson * poisson) } else { young };
-        for (x, u) in model.mesh.nodes.iter().zip(model.dofs.displacements(&outcome.state.u)) {
+        for (x, u) in model.mesh.nodes.iter().zip(model.constraints.dofs.displacements(&outcome.state.u)) {
             let exact = -pressure / modulus * x[d - 1];
             assert!((u[d - 1] - exact).abs() < 1e-9 * pressure / modulus, "{cells}: {u:?} at {x:?}");
         }

@@ -70,7 +70,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
     holding(&model);
     print_warnings(&Warning::of_model(&model));
-    if !model.contacts.is_empty() {
+    if !model.contact.nodes.is_empty() {
         theorem(&model);
         equilibrium(&scene, model)?;
     }
@@ -181,7 +181,7 @@ fn body(scene: &Scene, model: &Model) {
 fn pairs(model: &Model) {
     let units = model.units();
     let length = |x: f64| rounded(&units, Quantity::Length, x);
-    for (pair, record) in model.pairs.iter().zip(PairRecord::all(model)) {
+    for (pair, record) in model.contact.pairs.iter().zip(PairRecord::all(model)) {
         let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
         let glued = if glued { ", glued" } else { "" };
         say!("pair         {slave} (slave) against {master}{glued}: {rows} rows, {segments} segments");
@@ -204,7 +204,7 @@ fn pairs(model: &Model) {
 }
 
 fn contacts(scene: &Scene, model: &Model) {
-    for boundary in &model.contact_boundaries {
+    for boundary in &model.contact.boundaries {
         let contact = &scene.description.contacts[boundary.contact];
         let several = contact.obstacles().len() > 1;
         let friction = &contact.friction;
@@ -212,18 +212,22 @@ fn contacts(scene: &Scene, model: &Model) {
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if let Some(pair) = boundary.pair {
-            say!("contact      {} against {}, mu = {mu}", model.pairs[pair].slave, model.pairs[pair].master.name);
+            say!(
+                "contact      {} against {}, mu = {mu}",
+                model.contact.pairs[pair].slave,
+                model.contact.pairs[pair].master.name
+            );
         }
         if several {
             say!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
         }
         for (given, k) in contact.obstacles().iter().zip(boundary.obstacles.clone()) {
-            let placed = &model.obstacles[k].0;
+            let placed = &model.contact.obstacles[k].0;
             let mut obstacle = vec![shape(model, given, placed)];
             obstacle.extend(motions(model, given));
             let obstacle = obstacle.join(", ");
             if several {
-                let assigned = model.contacts.iter().filter(|contact| contact.obstacle() == Some(k)).count();
+                let assigned = model.contact.nodes.iter().filter(|contact| contact.obstacle() == Some(k)).count();
                 say!("             {obstacle}, met by {assigned} node{}", if assigned == 1 { "" } else { "s" });
             } else {
                 say!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
@@ -314,12 +318,12 @@ fn acts(action: &Action, units: &UnitSystem) -> String {
 }
 
 fn holding(model: &Model) {
-    if model.rigid_motions.is_empty() {
+    if model.constraints.rigid_motions.is_empty() {
         say!("held         by its supports");
         return;
     }
-    let by = if model.contacts.is_empty() { "nothing holds" } else { "only contact can hold" };
-    for motion in &model.rigid_motions {
+    let by = if model.contact.nodes.is_empty() { "nothing holds" } else { "only contact can hold" };
+    for motion in &model.constraints.rigid_motions {
         say!("NOT HELD     {by} {}", motion.against(&model.units()));
     }
 }
@@ -341,7 +345,7 @@ fn theorem(model: &Model) {
         );
         label = "";
     }
-    let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contacts[i].node).collect();
+    let nodes: BTreeSet<usize> = conditions.dependent.iter().map(|&i| model.contact.nodes[i].node).collect();
     if let Some(&first) = nodes.first() {
         let place = model.units().point(model.mesh.nodes[first]);
         let others = match nodes.len() - 1 {
@@ -399,7 +403,7 @@ fn driven(model: &Model, time: f64) -> Result<Option<RigidMotion>, ProblemError>
 
 /// Returns the rigid motion along the contact that the loads drive at `time` (s) against friction `mu`.
 fn driven_against(model: &Model, time: f64, mu: &[f64]) -> Result<Option<RigidMotion>, ProblemError> {
-    if model.rigid_motions.is_empty() {
+    if model.constraints.rigid_motions.is_empty() {
         return Ok(None);
     }
     let force = model.loading.force_at(time, &model.problem)?;
@@ -412,7 +416,7 @@ fn driven_against(model: &Model, time: f64, mu: &[f64]) -> Result<Option<RigidMo
 fn held_by_friction(model: &Model, time: f64) -> Result<Option<RigidMotion>, ProblemError> {
     let motion = driven_against(model, time, &vec![0.0; model.problem.contacts()])?;
     let resists = |motion: &RigidMotion| {
-        let along = motion.displacements(&model.mesh, &model.dofs);
+        let along = motion.displacements(&model.mesh, &model.constraints.dofs);
         rigid_equilibrium_with(&model.problem, model.problem.mu(), &along).map(|driven| driven.is_none())
     };
     Ok(match motion {
@@ -422,5 +426,5 @@ fn held_by_friction(model: &Model, time: f64) -> Result<Option<RigidMotion>, Pro
 }
 
 fn named(model: &Model, weights: &[f64]) -> Option<RigidMotion> {
-    RigidMotion::combination(&model.rigid_motions, weights)
+    RigidMotion::combination(&model.constraints.rigid_motions, weights)
 }

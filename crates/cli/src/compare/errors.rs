@@ -59,7 +59,7 @@ impl End {
     /// Evaluates a `state` of `model` after the friction `work`.
     pub(super) fn new(model: &Model, state: &State, work: f64) -> Self {
         let traction = |(i, contact): (usize, &ContactNode)| contact.in_frame([state.p_t[i], state.p_o[i]]);
-        let (p_t, p_o) = model.contacts.iter().enumerate().map(traction).map(|[p_t, p_o]| (p_t, p_o)).unzip();
+        let (p_t, p_o) = model.contact.nodes.iter().enumerate().map(traction).map(|[p_t, p_o]| (p_t, p_o)).unzip();
         End {
             p_n: state.p_n.clone(),
             p_t,

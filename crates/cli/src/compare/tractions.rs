@@ -58,19 +58,20 @@ impl Tractions {
     /// Returns the tractions of a `state` of `model`.
     pub(super) fn of(model: &Model, state: &State) -> Self {
         let force = |i: usize, k: usize| {
-            let ([t, o], n) = (model.contacts[i].facing.tangents, model.contacts[i].facing.normal);
+            let ([t, o], n) = (model.contact.nodes[i].facing.tangents, model.contact.nodes[i].facing.normal);
             let p = [state.p_n[i], state.p_t[i], state.p_o[i]];
             p[0] * n[k] + p[1] * t[k] + p[2] * o[k]
         };
         let graph = ContactGraph::new(model);
         let by_weights = || {
             let along = [0, 1, 2].map(|k| model.over_weights(|i| force(i, k)));
-            (0..model.contacts.len()).map(|i| [0, 1, 2].map(|k| along[k][i])).collect()
+            (0..model.contact.nodes.len()).map(|i| [0, 1, 2].map(|k| along[k][i])).collect()
         };
         let values = model.recovered_tractions(state).unwrap_or_else(by_weights);
         let mut pieces = Vec::new();
-        for boundary in &model.contact_boundaries {
-            let index_of: HashMap<usize, usize> = boundary.nodes.iter().map(|&i| (model.contacts[i].node, i)).collect();
+        for boundary in &model.contact.boundaries {
+            let index_of: HashMap<usize, usize> =
+                boundary.nodes.iter().map(|&i| (model.contact.nodes[i].node, i)).collect();
             let facets = model.mesh.boundary(&boundary.name).map_or(&[][..], |boundary| &boundary.facets);
             for facet in facets.iter().flat_map(|facet| model.mesh.pieces_of(facet)) {
                 // A node is no contact node if supports constrain its normal displacement or no obstacle is in reach.
@@ -93,7 +94,7 @@ impl Tractions {
             value,
             at_the_rim: graph.is_at_the_rim(i),
         };
-        Tractions { nodes: model.contacts.iter().zip(values).enumerate().map(node).collect(), pieces }
+        Tractions { nodes: model.contact.nodes.iter().zip(values).enumerate().map(node).collect(), pieces }
     }
 
     fn corners(&self, piece: &[usize]) -> Corners {

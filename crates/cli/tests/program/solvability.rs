@@ -40,7 +40,7 @@ const SLANTED: &str = r#"{ boundary = "left", friction = 0.4, obstacle = { kind 
 const SLIDE: &str = r#"support = [{ boundary = "bottom", fix = ["x"] }]"#;
 
 fn named(model: &Model, weights: &[f64]) -> String {
-    RigidMotion::combination(&model.rigid_motions, weights).unwrap().to_string()
+    RigidMotion::combination(&model.constraints.rigid_motions, weights).unwrap().to_string()
 }
 
 /// Returns the motion that violates (a), in words, and the positions of nodes that violate (b).
@@ -50,14 +50,18 @@ fn violations(scene: &Scene) -> (Option<String>, Vec<[f64; 2]>) {
     assert_eq!(conditions.hold(), conditions.leaving.is_none() && conditions.dependent.is_empty());
     // The motion has the stated property.
     if let Some(weights) = &conditions.leaving {
-        let motion = RigidMotion::combination(&model.rigid_motions, weights).unwrap();
-        let w_n = model.problem.c_n().times(&motion.displacements(&model.mesh, &model.dofs)).unwrap();
+        let motion = RigidMotion::combination(&model.constraints.rigid_motions, weights).unwrap();
+        let w_n = model.problem.c_n().times(&motion.displacements(&model.mesh, &model.constraints.dofs)).unwrap();
         assert!(w_n.iter().all(|&w| w <= 1e-12), "{motion}: {w_n:?}");
     }
     let motion = conditions.leaving.map(|weights| named(&model, &weights));
     (
         motion,
-        conditions.dependent.iter().map(|&i| [model.contacts[i].position[0], model.contacts[i].position[1]]).collect(),
+        conditions
+            .dependent
+            .iter()
+            .map(|&i| [model.contact.nodes[i].position[0], model.contact.nodes[i].position[1]])
+            .collect(),
     )
 }
 
@@ -66,8 +70,8 @@ fn driven(scene: &Scene) -> Option<String> {
     let model = discretise(scene).unwrap();
     let force = model.loading.force_at(1.0, &model.problem).unwrap();
     let weights = rigid_equilibrium(&model.problem, &force).unwrap()?;
-    let motion = RigidMotion::combination(&model.rigid_motions, &weights).unwrap();
-    let u = motion.displacements(&model.mesh, &model.dofs);
+    let motion = RigidMotion::combination(&model.constraints.rigid_motions, &weights).unwrap();
+    let u = motion.displacements(&model.mesh, &model.constraints.dofs);
     // The load does work, and no edge of a friction cone can work against it.
     assert!(u.iter().zip(&force).map(|(u, f)| u * f).sum::<f64>() > 0.0);
     let (w_n, w_t) = (model.problem.c_n().times(&u).unwrap(), model.problem.c_t().times(&u).unwrap());

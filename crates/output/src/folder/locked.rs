@@ -100,7 +100,7 @@ impl LockedOutputDir {
         linear: KeptSolver,
     ) -> io::Result<ResultFolder> {
         let mut folder = self.folder;
-        let several = model.contact_boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
+        let several = model.contact.boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
         let coupled = !model.description().couplings.is_empty();
         let mut table = |name: &str, header: &str| Table::new(name, folder.table(name)?, header);
         let increments = table("increments.csv", &increments::header())?;
@@ -177,7 +177,7 @@ impl LockedOutputDir {
 }
 
 fn names_of_boundaries(model: &Model) -> Vec<(String, String)> {
-    let boundaries = || model.contact_boundaries.iter().map(|boundary| boundary.name.as_str());
+    let boundaries = || model.contact.boundaries.iter().map(|boundary| boundary.name.as_str());
     boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect()
 }
 

@@ -50,7 +50,7 @@ fn bricks_slide_round_a_corner() {
     ];
     for (slave, most_iterations, expected) in cases {
         let model = Model::build(&bricks(slave)).unwrap();
-        let weights: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
+        let weights: f64 = model.contact.nodes.iter().map(|contact| contact.weight).sum();
         assert!((weights - 0.36).abs() < 1e-14);
         for linear in [LinearAlgebra::Condensed(SparseCholesky::default()), LinearAlgebra::Whole(SparseLu::default())] {
             let mut maps = Maps(&model, 0);
@@ -61,7 +61,7 @@ fn bricks_slide_round_a_corner() {
             let (all, most) = (iterations.iter().sum::<usize>(), most_iterations.iter().sum());
             assert!(all <= most, "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;
-            let largest = (0..model.contacts.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
+            let largest = (0..model.contact.nodes.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
             let found = [state.p_n[largest], state.p_t[largest], state.p_o[largest]];
             for (found, expected) in found.iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-8 * expected.abs(), "{slave:?} {found} {expected}");

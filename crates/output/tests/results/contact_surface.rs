@@ -15,7 +15,7 @@ struct Surfaces<'a>(&'a Model, Vec<(Vec<ContactSurface>, [f64; 3])>);
 impl Observer for Surfaces<'_> {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         let mut sum = [0.0; 3];
-        for (i, contact) in self.0.contacts.iter().enumerate() {
+        for (i, contact) in self.0.contact.nodes.iter().enumerate() {
             let (n, [t, o]) = (contact.facing.normal, contact.facing.tangents);
             let (p_n, p_t, p_o) = (step.state.p_n[i], step.state.p_t[i], step.state.p_o[i]);
             (0..3).for_each(|c| sum[c] += p_n * n[c] + p_t * t[c] + p_o * o[c]);

@@ -80,7 +80,7 @@ fn formulas_are_written_in_the_units_of_the_scene() {
     close(field(0)[1], -0.625e6);
     close(field(2)[0], 2.5);
     let model = discretise(&scene).unwrap();
-    close(model.obstacles[0].0.at(x).gap, 1.5e-3);
+    close(model.contact.obstacles[0].0.at(x).gap, 1.5e-3);
     assert!(matches!(&scene.description.loads[0].action, Action::Traction { traction, .. } if
         matches!(&traction[0], Field::Formula(formula) if formula.text() == "0.001 * x")));
 }
@@ -94,7 +94,7 @@ fn a_table_of_gaps_is_in_the_unit_of_length() {
     fs::write(folder.join("scene.toml"), &text).unwrap();
     let model = discretise(&Scene::read(&folder.join("scene.toml"), &[]).unwrap());
     fs::remove_dir_all(&folder).unwrap();
-    let gap = model.unwrap().obstacles[0].0.at([0.2, 0.0, 0.0]).gap;
+    let gap = model.unwrap().contact.obstacles[0].0.at([0.2, 0.0, 0.0]).gap;
     assert!((gap - 3e-4).abs() < 1e-18, "{gap}");
 }
 

@@ -57,7 +57,7 @@ fn the_block_reads_back_as_it_was_computed() {
     let (_, status) = values(&read.point, "contact");
     assert_eq!((components, vector, displacement.len()), (3, 3, 60));
     for (node, x) in model.mesh.nodes.iter().enumerate() {
-        let contact = model.contacts.iter().position(|contact| contact.node == node);
+        let contact = model.contact.nodes.iter().position(|contact| contact.node == node);
         assert_eq!(contact.is_none(), gap[node].is_nan() && pressure[node].is_nan() && traction[3 * node].is_nan());
         assert_eq!(contact.is_none(), status[node] == -1.0, "{x:?}");
         if contact.is_some() {
@@ -211,7 +211,7 @@ fn bodies_in_space_read_back_as_they_were_computed() {
         let mut keep = common::Keep::default();
         common::run_default(&cube(cells), &model, &mut keep);
         let (_, pressure) = values(&read.point, "contact_pressure");
-        assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contacts.len());
+        assert_eq!(pressure.iter().filter(|p| !p.is_nan()).count(), model.contact.nodes.len());
         // The facets are equal, and each gives its corners equal shares of its area.
         let facets = &model.mesh.boundary("bottom").unwrap().facets;
         let share = 6.0 / facets.iter().flatten().count() as f64;

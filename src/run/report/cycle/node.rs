@@ -159,7 +159,7 @@ impl NodeWatch {
 
     /// Returns the data of contact node `i` on a `boundary`.
     pub fn node(&self, model: &Model, boundary: &str, i: usize, wear_coefficient: Option<f64>) -> CycleNode {
-        let contact = &model.contacts[i];
+        let contact = &model.contact.nodes[i];
         CycleNode {
             boundary: boundary.to_string(),
             node: contact.node,

@@ -55,7 +55,7 @@ fn shrink_fits() {
         let (a2, b2, nu) = (1.0, 4.0, 0.3);
         let exact = delta / (1.0 + nu) * (b2 - a2) / ((1.0 - 2.0 * nu) * a2 + b2);
         let off = |pressure: f64| (pressure / exact - 1.0).abs();
-        let means = model.contacts.iter().zip(&state.p_n).map(|(contact, p)| off(p / contact.weight));
+        let means = model.contact.nodes.iter().zip(&state.p_n).map(|(contact, p)| off(p / contact.weight));
         let worst = [
             means.fold(0.0, f64::max),
             lines[0].points.iter().map(|point| off(point.sigma_n)).fold(0.0, f64::max),

@@ -155,7 +155,7 @@ fn hertz_sphere_and_flat_punch_of_second_order() {
         let p0 = 1.5 * found / (std::f64::consts::PI * a * a);
         let inside = lines[0].points.iter().filter(|p| p.x.hypot(p.y) < 0.8 * a);
         let (mut error, mut whole) = (0.0, 0.0);
-        for (point, contact) in inside.map(|p| (p, model.contacts.iter().find(|c| c.node == p.node).unwrap())) {
+        for (point, contact) in inside.map(|p| (p, model.contact.nodes.iter().find(|c| c.node == p.node).unwrap())) {
             let exact = p0 * (1.0 - (point.x.hypot(point.y) / a).powi(2)).sqrt();
             error += contact.weight * (point.sigma_n - exact).powi(2);
             whole += contact.weight * exact * exact;
@@ -176,7 +176,7 @@ fn errors(scene: &Scene, share: f64, force: f64) -> [f64; 3] {
     let away = |x: [f64; 3]| x[..model.mesh.dimension - 1].iter().map(|c| c * c).sum::<f64>().sqrt();
     let peak = lines[0].points.iter().map(|p| p.sigma_n).fold(0.0, f64::max);
     let (mut error, mut whole) = (0.0, 0.0);
-    for (point, contact) in lines[0].points.iter().zip(&model.contacts) {
+    for (point, contact) in lines[0].points.iter().zip(&model.contact.nodes) {
         let exact = hertz.pressure(away(contact.position));
         error += contact.weight * (point.sigma_n - exact).powi(2);
         whole += contact.weight * exact * exact;
@@ -308,7 +308,7 @@ fn hertz_with_friction_has_one_core() {
         let (_, lines) = lines(&model, &times, condensed());
         let (at_node, neighbours) = neighbours(&model);
         for (k, line) in lines.iter().enumerate() {
-            let mut statuses = vec![ContactStatus::Open; model.contacts.len()];
+            let mut statuses = vec![ContactStatus::Open; model.contact.nodes.len()];
             line.points.iter().for_each(|point| statuses[at_node[&point.node]] = point.status);
             let set = |holds: fn(ContactStatus) -> bool| statuses.iter().map(|s| holds(*s)).collect::<Vec<_>>();
             let (sticks, slides) = (set(|s| s == ContactStatus::Stick), set(|s| s != ContactStatus::Stick));
@@ -321,8 +321,8 @@ fn hertz_with_friction_has_one_core() {
 
 /// The number of the contact node at each node, and for each those next to it: the ends and the middle of an edge, the middles of a triangle.
 fn neighbours(model: &Model) -> (HashMap<usize, usize>, Vec<Vec<usize>>) {
-    let at_node: HashMap<usize, usize> = model.contacts.iter().enumerate().map(|(i, c)| (c.node, i)).collect();
-    let mut all = vec![Vec::new(); model.contacts.len()];
+    let at_node: HashMap<usize, usize> = model.contact.nodes.iter().enumerate().map(|(i, c)| (c.node, i)).collect();
+    let mut all = vec![Vec::new(); model.contact.nodes.len()];
     for facet in &model.mesh.boundary("zone").unwrap().facets {
         for piece in model.mesh.pieces_of(facet) {
             for (a, b) in piece.iter().flat_map(|a| piece.iter().map(move |b| (a, b))).filter(|(a, b)| a != b) {

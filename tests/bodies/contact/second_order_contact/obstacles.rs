@@ -23,10 +23,10 @@ fn corners_that_supports_move() {
 "# };
     let scene = parsed(&text);
     let model = discretise(&scene).unwrap();
-    let held_ends = model.contacts.iter().flat_map(|contact| contact.ends.iter().flatten());
+    let held_ends = model.contact.nodes.iter().flat_map(|contact| contact.ends.iter().flatten());
     let corners = [0.0, 1.0].map(|x| held_ends.clone().filter(|end| end.position[0] == x).count());
     assert_eq!(corners, [1, 1]);
-    assert!(model.contacts.iter().all(|contact| (1e-9..1.0 - 1e-9).contains(&contact.position[0])));
+    assert!(model.contact.nodes.iter().all(|contact| (1e-9..1.0 - 1e-9).contains(&contact.position[0])));
     let mut keep = Keep::default();
     for linear in both() {
         let state =
@@ -35,14 +35,14 @@ fn corners_that_supports_move() {
         let u = model.displacements(1.0, &state.u).unwrap();
         assert_eq!(u[0], [0.0, -2e-3, 0.0]);
         let mut closed = 0;
-        for (contact, p_n) in model.contacts.iter().zip(&state.p_n) {
+        for (contact, p_n) in model.contact.nodes.iter().zip(&state.p_n) {
             let d = distances(contact, &u, &|_| 2e-3);
             let of_rows: f64 = contact.terms().zip(&d).map(|(term, d)| term.coefficient * d).sum();
             assert!(of_rows > -1e-12 && d[0] > -1e-12, "{of_rows:e}");
             assert!(p_n.min(of_rows / 2e-3).abs() < 1e-9, "{p_n:e} {of_rows:e}");
             closed += usize::from(*p_n > 0.0);
         }
-        assert!((2..model.contacts.len()).contains(&closed), "{closed}");
+        assert!((2..model.contact.nodes.len()).contains(&closed), "{closed}");
         let balance = model.balance(1.0, &state).unwrap();
         assert!(balance.closure < 1e-12, "{:e}", balance.closure);
     }
@@ -70,7 +70,7 @@ fn a_cylinder_that_moves_along() {
             let centre = [0.36 + 0.3 * (t - 1.0).max(0.0), 0.7 - 0.01 * t.min(1.0), 0.0];
             let largest = state.p_n.iter().copied().fold(0.0, f64::max);
             let mut closed = 0;
-            for (i, contact) in model.contacts.iter().enumerate() {
+            for (i, contact) in model.contact.nodes.iter().enumerate() {
                 // Along the line from the node to the circle.
                 let along = |term: &Term| {
                     let (x, n) = (term.position, term.facing.normal);
@@ -166,7 +166,7 @@ fn rims_of_obstacles() {
     let exact = |x: [f64; 3]| 0.3 - (0.09 - (x[0] - 0.5).powi(2) - (x[1] - 0.5).powi(2)).sqrt();
     let gaps = model.loading.gaps_at(0.0);
     let mut isolated = 0;
-    for (contact, gap) in model.contacts.iter().zip(&gaps) {
+    for (contact, gap) in model.contact.nodes.iter().zip(&gaps) {
         let all: Vec<f64> = contact.terms().map(|term| exact(term.position)).collect();
         let of_rows: f64 = contact.terms().zip(&all).map(|(term, gap)| term.coefficient * gap).sum();
         let expected = if of_rows.is_nan() { all[0] } else { of_rows };
@@ -174,7 +174,7 @@ fn rims_of_obstacles() {
         assert!((gap - expected).abs() < 1e-14, "{gap} {expected}");
     }
     assert!(isolated > 2, "{isolated}");
-    assert!(model.contact_boundaries[0].unreached > 0);
+    assert!(model.contact.boundaries[0].unreached > 0);
     let state = solve(&model, model.times(), SolverChoice::default(), &mut ()).state;
     assert!(sums(&state)[0] > 0.0);
 }

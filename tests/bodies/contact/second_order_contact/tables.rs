@@ -38,7 +38,7 @@ fn one_peak_in_all_reports() {
     let model = discretise(&scene).unwrap();
     let (_, lines) = lines(&model, &[1.0], scene.solver);
     let peak = lines[0].points.iter().map(|point| point.sigma_n).fold(0.0, f64::max);
-    let mean = lines[0].points.iter().zip(&model.contacts).map(|(point, contact)| point.p_n / contact.weight);
+    let mean = lines[0].points.iter().zip(&model.contact.nodes).map(|(point, contact)| point.p_n / contact.weight);
     assert!(peak > 1.01 * mean.fold(0.0, f64::max));
     let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     let near = |pressure: f64| (pressure / peak - 1.0).abs() < 1e-9;

@@ -112,7 +112,7 @@ fn a_tower_between_obstacles() {
         .pair("middle:top", 0.3, "high:bottom")
         .contact("high:top", 0.5, above.approaching(&[[0.0, 0.0], [2.0, 1e-4], [10.0, 1e-4]]));
     let model = Model::build(&body).unwrap();
-    assert_eq!(model.rigid_motions.len(), 9);
+    assert_eq!(model.constraints.rigid_motions.len(), 9);
     let expected = states(&model, ways()[0]);
     for way in &all_ways()[1..] {
         let apart = difference(&expected, &states(&model, *way));
@@ -198,9 +198,9 @@ fn the_slave_of_one_contact_is_no_other() {
         .support("right:bottom", &[Axis::X, Axis::Y])
         .load(Load::new("above:top", &[0.0, -1e7]));
     let model = Model::build(&body).unwrap();
-    let slaves: Vec<&str> = model.pairs.iter().map(|pair| pair.slave.as_str()).collect();
+    let slaves: Vec<&str> = model.contact.pairs.iter().map(|pair| pair.slave.as_str()).collect();
     assert_eq!(slaves, ["above:bottom", "right:top"]);
-    assert_eq!(model.pairs[1].choice.unwrap().reason, SlaveReason::OtherTaken);
+    assert_eq!(model.contact.pairs[1].choice.unwrap().reason, SlaveReason::OtherTaken);
     solved(&model, solver(Method::BN, LinearAlgebra::condensed()), &mut ());
 }
 

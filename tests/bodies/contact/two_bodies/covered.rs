@@ -43,8 +43,8 @@ fn the_covered_side_is_chosen() {
     let chosen = Opposite { slave: Slave::Automatic, ..Opposite::from("lower:top") };
     for n in [20, 38, 60] {
         let model = Model::build(&overhang(n, false).pair("upper:bottom", 0.3, chosen.clone())).unwrap();
-        assert_eq!(model.pairs[0].choice.unwrap().reason, SlaveReason::OtherOverhangs, "{n}");
-        assert_eq!(model.pairs[0].slave, "lower:top");
+        assert_eq!(model.contact.pairs[0].choice.unwrap().reason, SlaveReason::OtherOverhangs, "{n}");
+        assert_eq!(model.contact.pairs[0].slave, "lower:top");
     }
 }
 

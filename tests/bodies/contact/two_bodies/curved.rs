@@ -156,7 +156,7 @@ fn exact(shape: Shape) -> f64 {
 /// The largest error of the gaps that are measured, relative to the interference.
 fn gap_error(shape: Shape, cells: Cells, n: [usize; 2], inner_is_slave: bool) -> f64 {
     let model = Model::build(&pressed(shape, cells, n, None, inner_is_slave)).unwrap();
-    model.pairs[0].gaps.iter().map(|gap| (gap / -INTERFERENCE - 1.0).abs()).fold(0.0, f64::max)
+    model.contact.pairs[0].gaps.iter().map(|gap| (gap / -INTERFERENCE - 1.0).abs()).fold(0.0, f64::max)
 }
 
 /// The errors of the mean pressure, and of the pressure that is furthest off.
@@ -164,9 +164,10 @@ fn errors(shape: Shape, cells: Cells, n: [usize; 2], gap: Option<Field>, inner_i
     let model = Model::build(&pressed(shape, cells, n, gap, inner_is_slave)).unwrap();
     let solver = solver_of(Method::BN, LinearAlgebra::default());
     let state = solved(&model, solver, &mut ()).state;
-    let area: f64 = model.contacts.iter().map(|contact| contact.weight).sum();
+    let area: f64 = model.contact.nodes.iter().map(|contact| contact.weight).sum();
     let mean = state.p_n.iter().sum::<f64>() / area / exact(shape) - 1.0;
-    let pressures = model.contacts.iter().zip(&state.p_n).map(|(contact, p)| p / contact.weight / exact(shape) - 1.0);
+    let pressures =
+        model.contact.nodes.iter().zip(&state.p_n).map(|(contact, p)| p / contact.weight / exact(shape) - 1.0);
     [mean, pressures.fold(0.0, |worst: f64, error| if error.abs() > worst.abs() { error } else { worst })]
 }
 
@@ -209,7 +210,7 @@ fn fits_of_facets_in_front_of_several() {
         let automatic = |mut body: Description| {
             let against = Opposite { slave: Slave::Automatic, ..body.contacts[0].opposite().unwrap().clone() };
             body.contacts[0].against = Against::Boundary(against);
-            Model::build(&body).unwrap().pairs[0].choice.unwrap()
+            Model::build(&body).unwrap().contact.pairs[0].choice.unwrap()
         };
         let choice = automatic(pressed(Shape::Rings, Cells::Blocks, n, None, true));
         assert_eq!((choice.slave, choice.reason), (usize::from(n[1] < n[0]), SlaveReason::FewerNodes));
@@ -265,7 +266,7 @@ fn gaps_without_bulges() {
                 .support("upper:top", &[Axis::X, Axis::Y, Axis::Z])
         };
         let model = Model::build(&of(None)).unwrap();
-        let pair = &model.pairs[0];
+        let pair = &model.contact.pairs[0];
         assert!(pair.mortar.rows.iter().all(|row| row.bulge == 0.0 && row.edges == 0.0), "{turned}");
     }
 }
@@ -300,7 +301,7 @@ fn roundings_that_begin_at_a_flat() {
             [x, y * (1.0 - 2.0 * after * down), z]
         });
         let model = under_a_block(lower);
-        for row in &model.pairs[0].mortar.rows {
+        for row in &model.contact.pairs[0].mortar.rows {
             let share = row.bulge / (after * 0.05 * 0.05 / 12.0);
             match model.mesh.nodes[row.node][0] {
                 x if x < 0.39 => assert!(share.abs() < 1e-9, "{flat} {x}: {share}"),
@@ -325,7 +326,7 @@ fn flats_beside_edges_and_curves() {
             [x, y * (1.0 - 2.0 * down), z]
         });
         let model = under_a_block(lower);
-        for (row, gap) in model.pairs[0].mortar.rows.iter().zip(&model.pairs[0].gaps) {
+        for (row, gap) in model.contact.pairs[0].mortar.rows.iter().zip(&model.contact.pairs[0].gaps) {
             let x = model.mesh.nodes[row.node][0];
             if x < 0.69 {
                 assert!(row.bulge == 0.0 && (gap - row.gap).abs() < 1e-15, "{end} {x}: {gap}");
@@ -375,7 +376,7 @@ fn pressed_pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: 
     let state = solved(&model, solver, &mut ()).state;
     let mut worst: f64 = 0.0;
     let [mut closed, mut all] = [0.0; 2];
-    for (contact, p) in model.contacts.iter().zip(&state.p_n) {
+    for (contact, p) in model.contact.nodes.iter().zip(&state.p_n) {
         worst = worst.max(p / contact.weight);
         all += contact.weight;
         closed += if *p > 0.0 { contact.weight } else { 0.0 };
@@ -447,7 +448,7 @@ fn gaps_of_graded_circles() {
             .support("inner:top", &[Axis::X])
             .support("outer:bottom", &[Axis::Y])
             .support("outer:top", &[Axis::X]);
-        for gap in &Model::build(&body).unwrap().pairs[0].gaps {
+        for gap in &Model::build(&body).unwrap().contact.pairs[0].gaps {
             assert!((gap / -INTERFERENCE - 1.0).abs() < 0.04, "{grading}: {gap}");
         }
     }

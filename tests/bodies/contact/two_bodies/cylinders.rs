@@ -50,7 +50,7 @@ fn solve(
 
 /// Where contact is, x and forces from the axis outwards.
 fn sorted(model: &Model, p: &[f64]) -> Vec<(f64, f64, f64)> {
-    let mut all: Vec<_> = model.contacts.iter().zip(p).map(|(c, p)| (c.position[0], *p, c.weight)).collect();
+    let mut all: Vec<_> = model.contact.nodes.iter().zip(p).map(|(c, p)| (c.position[0], *p, c.weight)).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     all
 }

@@ -31,7 +31,7 @@ fn tension_goes_through() {
                 .with_support(Support::new("", &[Axis::X]).at([0.0, 0.0]))
                 .load(Load::new("upper:top", &[0.0, 1e7]));
             let (model, u) = solved(&body);
-            assert!(model.contacts.is_empty() && model.rigid_motions.is_empty());
+            assert!(model.contact.nodes.is_empty() && model.constraints.rigid_motions.is_empty());
             let top = u.iter().map(|u| u[1]).fold(0.0, f64::max);
             let off = u.iter().zip(&model.mesh.nodes).map(|(u, x)| (u[1] - top * x[1]).abs() / top).fold(0.0, f64::max);
             assert!(off < 1e-11, "{kinds:?} {slave} {off:e}");

@@ -93,7 +93,8 @@ impl Observer for Judge<'_> {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         assert_eq!(step.record.status, Status::Converged);
         let mesh = &*self.model.mesh;
-        let u: Vec<Plane> = self.model.dofs.displacements(&step.state.u).iter().map(|u| [u[0], u[1]]).collect();
+        let u: Vec<Plane> =
+            self.model.constraints.dofs.displacements(&step.state.u).iter().map(|u| [u[0], u[1]]).collect();
         let line = ContactLine::all(self.model, step).pop().unwrap();
         let nodes = self.names.map(|name| along(mesh, name));
         // What each slave node exerts on the master.

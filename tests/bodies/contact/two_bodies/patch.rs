@@ -24,7 +24,7 @@ fn errors(description: &Description) -> [f64; 2] {
     };
     let of_stresses = model.centre_stresses(1.0, &displacements).unwrap().into_iter().map(off).fold(0.0, f64::max);
     let pressure = |(contact, p): (&ContactNode, &f64)| (p / contact.weight / PRESSURE - 1.0).abs();
-    [of_stresses, model.contacts.iter().zip(&state.p_n).map(pressure).fold(0.0, f64::max)]
+    [of_stresses, model.contact.nodes.iter().zip(&state.p_n).map(pressure).fold(0.0, f64::max)]
 }
 
 /// Rollers below, one point of each body held aside.

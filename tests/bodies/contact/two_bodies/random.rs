@@ -52,7 +52,8 @@ struct Judge<'a> {
 impl Judge<'_> {
     /// The largest error of equilibrium at any node, and of the laws, in units of the forces and displacements.
     fn error(&mut self, time: f64, state: &State) -> f64 {
-        let Model { mesh, contacts, .. } = self.model;
+        let Model { mesh, .. } = self.model;
+        let contacts = &self.model.contact.nodes;
         let dimension = mesh.dimension;
         let held = |node: usize, _: usize| mesh.nodes[node][dimension - 1] == 0.0;
         let dofs = Dofs::new(mesh, held);
@@ -131,7 +132,7 @@ fn random_pairs_are_right() {
     for k in 0..30 {
         let model = Model::build(&scene(&mut random)).unwrap();
         let verdicts = [Method::BN, Method::Ip].map(|method| {
-            let mut judge = Judge { model: &model, last: vec![[0.0; 2]; model.contacts.len()], worst: 0.0 };
+            let mut judge = Judge { model: &model, last: vec![[0.0; 2]; model.contact.nodes.len()], worst: 0.0 };
             let run = Run::of(&model, model.times().to_vec(), SolverChoice::new(method)).unwrap();
             let outcome = run.history(&mut judge).unwrap();
             assert!(judge.worst < 3e-9, "scene {k}, {method:?}: {:e}", judge.worst);

@@ -67,7 +67,7 @@ fn roller(block: usize, disc_elements: usize, slave: Side, friction: f64, increm
 /// displacement of the centre, m.
 fn figures(model: &Model, outcome: &HistoryOutcome) -> [f64; 5] {
     let state = &outcome.state;
-    let all = || model.contacts.iter().enumerate();
+    let all = || model.contact.nodes.iter().enumerate();
     let largest = |p: &[f64]| all().map(|(i, c)| p[i].abs() / c.weight).fold(0.0, f64::max) / 1e6;
     let total: f64 = state.p_n.iter().sum();
     let moment: f64 = all().map(|(i, c)| state.p_n[i] * c.position[0].powi(2)).sum();

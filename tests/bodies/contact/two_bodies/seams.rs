@@ -19,9 +19,9 @@ fn by_all(model: &Model, name: &str, most: usize, check: impl Fn(&Model, &sticks
 
 /// Pressures of 10 mPa everywhere and no friction.
 fn is_uniform(model: &Model, state: &stickslip::solver::State) {
-    for boundary in &model.contact_boundaries {
-        for (i, _) in boundary.parts(&model.contacts) {
-            let [p, t] = [state.p_n[i], state.p_t[i].hypot(state.p_o[i])].map(|p| p / model.contacts[i].weight);
+    for boundary in &model.contact.boundaries {
+        for (i, _) in boundary.parts(&model.contact.nodes) {
+            let [p, t] = [state.p_n[i], state.p_t[i].hypot(state.p_o[i])].map(|p| p / model.contact.nodes[i].weight);
             // A floor that is a million times as stiff gives way by a millionth.
             assert!((p / 0.01 - 1.0).abs() < 2e-6 && t < 1e-8, "{}: {p} {t}", boundary.name);
         }
@@ -164,7 +164,7 @@ fn rings_on_contact_and_friction_alone() {
                 let largest = largest(&state.p_n);
                 assert!(state.p_n.iter().all(|p| *p > 0.1 * largest), "{kind:?} {n}");
                 assert!(state.p_t.iter().all(|p| p.abs() < 0.12 * 0.5 * largest), "{kind:?} {n}");
-                assert!(!model.rigid_motions.is_empty());
+                assert!(!model.constraints.rigid_motions.is_empty());
             });
             let outcome = Run::of(&model, vec![1.0], bn()).unwrap().history(&mut ()).unwrap();
             forces.push(outcome.state.p_n.iter().sum::<f64>());
@@ -229,7 +229,7 @@ fn the_end_of_a_weld() {
     .concat();
     let model = model_of(&text);
     by_all(&model, "weld", 10, |model, state| {
-        for (i, contact) in model.contacts.iter().enumerate() {
+        for (i, contact) in model.contact.nodes.iter().enumerate() {
             let pressure = state.p_n[i] / contact.weight;
             let is_end = contact.position[0] < 1.0 + 1e-9;
             assert!((pressure / 0.01 - 1.0).abs() < 1e-6 || is_end, "{:?}: {pressure}", contact.position);
@@ -264,13 +264,13 @@ fn a_seam_over_a_slope() {
     };
     let model = scene("");
     let nodes = model.mesh.nodes.clone();
-    let u = model.dofs.unknowns(|node| [0.0, 0.0, -0.02 - 0.01 * nodes[node][1]]);
-    for (i, (gap, contact)) in model.loading.gap().iter().zip(&model.contacts).enumerate() {
+    let u = model.constraints.dofs.unknowns(|node| [0.0, 0.0, -0.02 - 0.01 * nodes[node][1]]);
+    for (i, (gap, contact)) in model.loading.gap().iter().zip(&model.contact.nodes).enumerate() {
         let w: f64 = model.problem.c_n().row(i).iter().map(|(dof, c)| c * u[*dof]).sum();
         assert!((w - gap).abs() < 1e-12, "{w} {gap} at {:?}", nodes[contact.node]);
     }
     let apart = scene(", approach = [[0, 0], [1, 0.01]]");
-    assert_eq!(apart.contacts.len(), model.contacts.len() + 4);
+    assert_eq!(apart.contact.nodes.len(), model.contact.nodes.len() + 4);
 }
 
 /// A block of `elements` whose top is held and whose bottom an `obstacle` presses.

@@ -62,13 +62,13 @@ fn errors(body: Body, n: [usize; 2], slave: Side) -> [f64; 3] {
     let p_n = &outcome.state.p_n;
     let r = |x: [f64; 3]| if body == Body::Section { x[0] } else { x[0].hypot(x[1]) };
     let total: f64 = p_n.iter().sum();
-    let moment: f64 = model.contacts.iter().zip(p_n).map(|(contact, p)| p * r(contact.position).powi(2)).sum();
+    let moment: f64 = model.contact.nodes.iter().zip(p_n).map(|(contact, p)| p * r(contact.position).powi(2)).sum();
     let (radius, modulus) = together();
     let hertz = Hertz::sphere(if body == Body::Section { total } else { 4.0 * total }, radius, modulus);
-    let axis = (0..p_n.len()).find(|&i| r(model.contacts[i].position) == 0.0).unwrap();
+    let axis = (0..p_n.len()).find(|&i| r(model.contact.nodes[i].position) == 0.0).unwrap();
     let boundary = if slave == Side::Upper { "upper:bottom" } else { "lower:top" };
     let errors = [
-        p_n[axis] / model.contacts[axis].weight / hertz.p0 - 1.0,
+        p_n[axis] / model.contact.nodes[axis].weight / hertz.p0 - 1.0,
         (2.5 * moment / total).sqrt() / hertz.a - 1.0,
         distance(&model, boundary, p_n, |x| hertz.pressure(r(x))),
     ];

@@ -27,8 +27,8 @@ fn a_finer_block_on_a_coarser_one() {
         "-161030.34441 -194227.30420 -232955.25380 -213949.29687 -197507.43647 -183703.99106 \
              -173088.79290 -160831.51957 -145838.67535 -128119.85717 -3526.23548 -5221.29273",
     );
-    let mut order: Vec<usize> = (0..model.contacts.len()).collect();
-    order.sort_by(|a, b| model.contacts[*a].position[0].total_cmp(&model.contacts[*b].position[0]));
+    let mut order: Vec<usize> = (0..model.contact.nodes.len()).collect();
+    order.sort_by(|a, b| model.contact.nodes[*a].position[0].total_cmp(&model.contact.nodes[*b].position[0]));
     for (k, i) in order.into_iter().enumerate() {
         let (n, t) = (outcome.state.p_n[i], outcome.state.p_t[i]);
         assert!((n / p_n[k] - 1.0).abs() < 1e-9 && (t / p_t[k] - 1.0).abs() < 1e-7, "{k}: {n} {t}");
@@ -40,7 +40,7 @@ fn the_coarser_side_as_the_slave() {
     let model = Model::build(&stack([8, 4], [11, 5], Side::Lower)).unwrap();
     let outcome = solved(&model, solver(Method::BN, LinearAlgebra::condensed()), &mut ());
     let mut p_n: Vec<(f64, f64)> =
-        model.contacts.iter().zip(&outcome.state.p_n).map(|(contact, p)| (contact.position[0], *p)).collect();
+        model.contact.nodes.iter().zip(&outcome.state.p_n).map(|(contact, p)| (contact.position[0], *p)).collect();
     p_n.sort_by(|a, b| a.0.total_cmp(&b.0));
     let expected = numbers(
         "1053722.6767 1727464.7745 1490806.1295 1351907.9913 1227197.2279 1110004.7537 984203.3680 \
@@ -75,8 +75,8 @@ fn assert_history(description: &Description, expected: &Expected) {
         let fifth = outcome.records.iter().skip(4).step_by(5).map(|record| &record.contact);
         let statuses: Vec<[usize; 3]> = fifth.map(|count| [count.open, count.stick, count.slip]).collect();
         assert_eq!(statuses, expected.statuses);
-        let mut order: Vec<usize> = (0..model.contacts.len()).collect();
-        order.sort_by(|a, b| model.contacts[*a].position[0].total_cmp(&model.contacts[*b].position[0]));
+        let mut order: Vec<usize> = (0..model.contact.nodes.len()).collect();
+        order.sort_by(|a, b| model.contact.nodes[*a].position[0].total_cmp(&model.contact.nodes[*b].position[0]));
         assert_eq!(order.len(), expected.p_n.len());
         for (k, i) in order.into_iter().enumerate() {
             let (n, t) = (outcome.state.p_n[i], outcome.state.p_t[i]);
@@ -124,7 +124,7 @@ fn matching_meshes_are_node_to_node() {
     };
     let matching = stack([8, 4], [8, 4], Side::Upper);
     let model = Model::build(&matching).unwrap();
-    for contact in &model.contacts {
+    for contact in &model.contact.nodes {
         // A row of the relative displacement of the node, in whole numbers.
         let one = |row: &Vec<(usize, f64)>| row.len() == 1 && row[0].1.abs() == 1.0;
         assert!(one(&contact.normal) && one(&contact.tangents[0]), "{contact:?}");
@@ -169,7 +169,7 @@ fn a_block_that_just_touches() {
             );
             let scene = parsed(&text);
             let run = Run::new(&scene).unwrap();
-            assert!(run.model().contacts.iter().all(|contact| contact.facing.gap == 0.0), "{cells} {height}");
+            assert!(run.model().contact.nodes.iter().all(|contact| contact.facing.gap == 0.0), "{cells} {height}");
             let report = run.solve(&mut ()).unwrap();
             assert_eq!(report.status, Status::Converged, "{cells} {height}: {}", report.explanation.reason);
         }

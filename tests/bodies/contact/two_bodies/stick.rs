@@ -47,7 +47,7 @@ fn sticks(model: &Model, outcome: &HistoryOutcome) -> f64 {
     let most = largest(&state.p_n);
     let sticking = (0..state.p_n.len())
         .filter(|&i| state.p_n[i] > 1e-6 * most && state.p_t[i].abs() < (1.0 - 1e-6) * MU * state.p_n[i]);
-    sticking.map(|i| model.contacts[i].position[0].abs()).fold(0.0, f64::max)
+    sticking.map(|i| model.contact.nodes[i].position[0].abs()).fold(0.0, f64::max)
 }
 
 /// Slave, iterations, shear on the axis and largest shear over μ p0, largest pressure over p0, where the last nodes stick over a.
@@ -67,10 +67,10 @@ fn of_one_material() {
     let all = REFERENCE.map(|(n, slave, ..)| solve(n, a, 1.2, slave));
     for ((n, slave, iterations, expected), (model, outcome, force)) in REFERENCE.into_iter().zip(all) {
         let state = &outcome.state;
-        let stress = |forces: &[f64], i: usize| forces[i].abs() / model.contacts[i].weight;
-        let all = 0..model.contacts.len();
+        let stress = |forces: &[f64], i: usize| forces[i].abs() / model.contact.nodes[i].weight;
+        let all = 0..model.contact.nodes.len();
         let largest = |forces: &[f64]| all.clone().map(|i| stress(forces, i)).fold(0.0, f64::max);
-        let place = |i: usize| model.contacts[i].position[0].abs();
+        let place = |i: usize| model.contact.nodes[i].position[0].abs();
         let axis = all.clone().min_by(|&i, &j| place(i).total_cmp(&place(j))).unwrap();
         let found = [
             stress(&state.p_t, axis) / (MU * p0),

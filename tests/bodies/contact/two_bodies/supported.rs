@@ -124,7 +124,7 @@ fn a_plane_of_symmetry_stays_one() {
         .support("upper:front", &[Axis::Y])
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]));
     let model = stickslip::body::Model::build(&body).unwrap();
-    for contact in &model.contacts {
+    for contact in &model.contact.nodes {
         let held = (0..2).filter(|&c| contact.position[c] == 0.0).count();
         assert_eq!(contact.tangents.iter().filter(|row| row.is_empty()).count(), held, "{:?}", contact.position);
     }
