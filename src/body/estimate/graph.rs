@@ -38,6 +38,32 @@ pub(crate) struct ContactPatch {
     pub nodes: Vec<usize>,
 }
 
+/// Returns `true` if a symmetry plane or an axis cuts the surface at a contact node.
+fn is_mirrored(model: &Model, contact: &ContactNode) -> bool {
+    let in_the_way = |held: &[f64; 3]| dot(*held, contact.facing.normal).abs() < ALONG;
+    // In two dimensions, z is held, too.
+    let held = match contact.coupled() {
+        Some(coupled) => coupled.still.clone(),
+        None => model.constraints.dofs.held(contact.node).collect(),
+    };
+    held.iter().filter(|held| in_the_way(held)).count() > 3 - model.mesh.dimension
+}
+
+/// Returns the patches of `boundaries`, of which those that are `together` are one.
+fn patches(boundaries: &[ContactBoundary], mut together: UnionFind) -> Vec<ContactPatch> {
+    let mut patches: BTreeMap<usize, (Vec<&str>, BTreeSet<usize>)> = BTreeMap::new();
+    for (b, boundary) in boundaries.iter().enumerate() {
+        let (names, nodes) = patches.entry(together.least(b)).or_default();
+        names.push(&boundary.name);
+        nodes.extend(&boundary.nodes);
+    }
+    let patch = |(names, nodes): (Vec<&str>, BTreeSet<usize>)| ContactPatch {
+        name: names.join(", "),
+        nodes: nodes.into_iter().collect(),
+    };
+    patches.into_values().map(patch).collect()
+}
+
 impl ContactGraph {
     /// Creates the graph of the contact nodes of `model`.
     pub fn new(model: &Model) -> Self {
@@ -102,18 +128,7 @@ impl ContactGraph {
                 }
             }
         }
-        let mirrored: Vec<bool> = (model.contact.nodes.iter())
-            .map(|contact| {
-                let normal = contact.facing.normal;
-                let in_the_way = |held: [f64; 3]| dot(held, normal).abs() < ALONG;
-                // In two dimensions, z is held, too.
-                let held = match contact.coupled() {
-                    Some(coupled) => coupled.still.clone(),
-                    None => model.constraints.dofs.held(contact.node).collect(),
-                };
-                held.into_iter().filter(|held| in_the_way(*held)).count() > 3 - model.mesh.dimension
-            })
-            .collect();
+        let mirrored: Vec<bool> = model.contact.nodes.iter().map(|contact| is_mirrored(model, contact)).collect();
         let rim = if model.mesh.dimension == 2 {
             (0..n).map(|i| graph[i].len() < 2 && !mirrored[i]).collect()
         } else {
@@ -127,21 +142,11 @@ impl ContactGraph {
             }
             rim
         };
-        let mut patches: BTreeMap<usize, (Vec<&str>, BTreeSet<usize>)> = BTreeMap::new();
-        for (b, boundary) in model.contact.boundaries.iter().enumerate() {
-            let (names, nodes) = patches.entry(together.least(b)).or_default();
-            names.push(&boundary.name);
-            nodes.extend(&boundary.nodes);
-        }
-        let patch = |(names, nodes): (Vec<&str>, BTreeSet<usize>)| ContactPatch {
-            name: names.join(", "),
-            nodes: nodes.into_iter().collect(),
-        };
         ContactGraph {
             neighbours: graph.into_iter().map(|all| all.into_iter().collect()).collect(),
             rim,
             mirrored,
-            surfaces: patches.into_values().map(patch).collect(),
+            surfaces: patches(&model.contact.boundaries, together),
         }
     }
 

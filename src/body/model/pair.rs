@@ -66,6 +66,77 @@ pub(super) struct Pairs {
     pub relative: Vec<Relative>,
 }
 
+/// The body that pairs are on, before they tie its displacements.
+struct Untied<'a> {
+    description: &'a Description,
+    mesh: &'a Mesh,
+    dofs: &'a Dofs,
+    materials: &'a [Elasticity],
+    couplings: &'a Couplings,
+    joints: &'a Joints,
+    /// The supports that move each node.
+    moving: BTreeMap<usize, Vec<Moving>>,
+    /// The nodes that depend on reference points.
+    dependent_nodes: BTreeSet<usize>,
+}
+
+impl<'a> Untied<'a> {
+    /// Returns the contacts between two boundaries that are `glued`, or those that are not, with their numbers.
+    fn contacts(&self, glued: bool) -> impl Iterator<Item = (usize, &'a Opposite)> + use<'a> {
+        let contacts = self.description.contacts.iter().enumerate();
+        contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
+    }
+
+    /// Creates the glued pair of contact `k`; the nodes of `idle` need no row.
+    fn glue(
+        &self,
+        (k, opposite): (usize, &Opposite),
+        slaves: &BTreeSet<String>,
+        idle: &BTreeSet<usize>,
+    ) -> Result<Pair, InputError> {
+        let Untied { description, mesh, dofs, materials, moving, dependent_nodes, .. } = self;
+        let first = find(mesh, &description.contacts[k].boundary, &format!("contact[{k}]"))?;
+        let is_fixed = |node: &usize| dependent_nodes.contains(node) || dofs.held(*node).count() == 3;
+        let sides = [first, &self::opposite(mesh, opposite, k)?];
+        let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
+        let tied = if joins { idle } else { &idle.union(dependent_nodes).copied().collect() };
+        let supports = OfNodes { dofs, tied, moving, joins };
+        pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
+    }
+
+    /// Creates the glued pairs and adds their slaves to `slaves`. A node that a support, a reference point or another row
+    /// determines needs no row if the opposite side depends on the same nodes.
+    fn glued(&self, relations: &[Relative], slaves: &mut BTreeSet<String>) -> Result<Vec<Pair>, InputError> {
+        let (mut bonds, mut pairs) = (Bonds::new(relations), Vec::<Pair>::new());
+        let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
+        for contact in self.contacts(true) {
+            let pair = self.glue(contact, slaves, &BTreeSet::new())?;
+            slaves_before.push(slaves.clone());
+            slaves.insert(pair.slave.clone());
+            for (r, row) in pair.mortar.rows.iter().enumerate() {
+                if bonds.bind(row.node) || !held_alone(self.dofs, row).is_empty() {
+                    later.push((pairs.len(), r));
+                } else {
+                    bonds.add(relative(row, true));
+                }
+            }
+            pairs.push(pair);
+        }
+        let mut idle = vec![BTreeSet::new(); pairs.len()];
+        for (p, r) in later {
+            let row = &pairs[p].mortar.rows[r];
+            let own = bonds.roots(row.node);
+            if bonds.bind(row.node) && row.master.iter().any(|(other, _)| !bonds.roots(*other).is_disjoint(&own)) {
+                idle[p].insert(row.node);
+            }
+        }
+        for (p, contact) in self.contacts(true).enumerate().filter(|(p, _)| !idle[*p].is_empty()) {
+            pairs[p] = self.glue(contact, &slaves_before[p], &idle[p])?;
+        }
+        Ok(pairs)
+    }
+}
+
 impl Pairs {
     /// Creates the pairs of `description`, whose supports hold the displacements in `dofs` and `holdings`. Glued pairs
     /// are first, since a tied node has no displacement that could be relative.
@@ -78,70 +149,36 @@ impl Pairs {
         (couplings, joints): (&Couplings, &Joints),
     ) -> Result<Self, InputError> {
         let relations = holding::relations(couplings, description, mesh, dofs, holdings)?;
-        let in_pairs = |glued: bool| {
-            let contacts = description.contacts.iter().enumerate();
-            contacts.filter_map(move |(k, contact)| Some((k, contact.opposite().filter(|other| other.glued == glued)?)))
-        };
+        let (moving, dependent_nodes) = (moving(description, holdings), couplings.dependent_nodes());
+        let body = Untied { description, mesh, dofs, materials, couplings, joints, moving, dependent_nodes };
         // Boundaries whose contact does not choose the slave automatically are slaves in any case.
         let chosen = |opposite: &Opposite| opposite.slave == Slave::Automatic;
         let named = description.contacts.iter().filter(|contact| !contact.opposite().is_some_and(chosen));
         let mut slaves: BTreeSet<String> = named.map(|contact| contact.boundary.clone()).collect();
-        let moving = moving(description, holdings);
-        let dependent_nodes = couplings.dependent_nodes();
-        let glue = |(k, opposite): (usize, &Opposite), slaves: &BTreeSet<String>, idle: &BTreeSet<usize>| {
-            let first = find(mesh, &description.contacts[k].boundary, &format!("contact[{k}]"))?;
-            let is_fixed = |node: &usize| dependent_nodes.contains(node) || dofs.held(*node).count() == 3;
-            let sides = [first, &self::opposite(mesh, opposite, k)?];
-            let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
-            let tied = if joins { idle } else { &idle.union(&dependent_nodes).copied().collect() };
-            let supports = OfNodes { dofs, tied, moving: &moving, joins };
-            pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
-        };
-        let held_alone = |row: &MortarRow| held_alone(dofs, row);
-        // A node that a support, a reference point or another row determines needs no row if the opposite side depends on
-        // the same nodes.
-        let (mut bonds, mut pairs) = (Bonds::new(&relations), Pairs::default());
-        let (mut later, mut slaves_before) = (Vec::new(), Vec::new());
-        for contact in in_pairs(true) {
-            let pair = glue(contact, &slaves, &BTreeSet::new())?;
-            slaves_before.push(slaves.clone());
-            slaves.insert(pair.slave.clone());
-            for (r, row) in pair.mortar.rows.iter().enumerate() {
-                if bonds.bind(row.node) || !held_alone(row).is_empty() {
-                    later.push((pairs.all.len(), r));
-                } else {
-                    bonds.add(relative(row, true));
-                }
-            }
-            pairs.all.push(pair);
-        }
-        let mut idle = vec![BTreeSet::new(); pairs.all.len()];
-        for (p, r) in later {
-            let row = &pairs.all[p].mortar.rows[r];
-            let own = bonds.roots(row.node);
-            if bonds.bind(row.node) && row.master.iter().any(|(other, _)| !bonds.roots(*other).is_disjoint(&own)) {
-                idle[p].insert(row.node);
-            }
-        }
-        for (p, contact) in in_pairs(true).enumerate().filter(|(p, _)| !idle[*p].is_empty()) {
-            pairs.all[p] = glue(contact, &slaves_before[p], &idle[p])?;
-        }
         let mut bonds = Bonds::new(&relations);
-        pairs.relative = relations;
+        let mut pairs = Pairs { all: body.glued(&relations, &mut slaves)?, relative: relations };
+        pairs.tie(&body, &mut bonds)?;
+        pairs.touch(&body, &mut bonds, slaves)?;
+        Ok(pairs)
+    }
+
+    /// Makes displacements relative to others by the rows of the glued pairs: first the rows of free nodes.
+    fn tie(&mut self, body: &Untied<'_>, bonds: &mut Bonds) -> Result<(), InputError> {
+        let Untied { description, mesh, dofs, joints, ref dependent_nodes, .. } = *body;
         let (mut first, mut later, mut used) = (Vec::new(), Vec::new(), dependent_nodes.clone());
-        for (p, pair) in pairs.all.iter().enumerate() {
+        for (p, pair) in self.all.iter().enumerate() {
             let slave = find(mesh, &pair.slave, "contact")?;
             joints.may_follow(description, mesh, dofs, pair.contact, slave, &used)?;
             for (r, row) in pair.mortar.rows.iter().enumerate() {
-                let is_free = used.insert(row.node) && held_alone(row).is_empty();
+                let is_free = used.insert(row.node) && held_alone(dofs, row).is_empty();
                 if is_free { first.push((p, r)) } else { later.push((p, r)) }
             }
         }
         for (p, r) in first.into_iter().chain(later) {
-            let pair = &mut pairs.all[p];
+            let pair = &mut self.all[p];
             let row = &pair.mortar.rows[r];
             let relation = joints.with_jump(dofs, pair.contact, &pair.slave, row, relative(row, true));
-            let solved = bonds.solved(dofs, relation, &held_alone(row)).map_err(|Apart| {
+            let solved = bonds.solved(dofs, relation, &held_alone(dofs, row)).map_err(|Apart| {
                 let place = description.system(mesh.dimension).point(mesh.nodes[row.node]);
                 let message = format!(
                     "at {place}, supports or couplings determine both sides of the glued `{}`, each in its own way",
@@ -153,34 +190,40 @@ impl Pairs {
             if let Some(solved) = solved {
                 pair.relative.insert(row.node, solved.node);
                 bonds.add(solved.clone());
-                pairs.relative.push(solved);
+                self.relative.push(solved);
             }
         }
-        for relation in pairs.relative.iter_mut().skip(dependent_nodes.len()) {
+        for relation in self.relative.iter_mut().skip(dependent_nodes.len()) {
             *relation = bonds.resolved(dofs, relation);
         }
-        // At both ends of a period, a contact has one row for the nodes that move alike, and none for others that are tied.
-        let has_periods = pairs.all.iter().any(|pair| pair.shifted);
-        let with_ties =
-            if has_periods { pairs.clone().dofs(description, mesh, joints, dofs.clone())? } else { dofs.clone() };
-        let periodic = pairs.all.iter().filter(|pair| pair.shifted).flat_map(|pair| pair.relative.values());
+        Ok(())
+    }
+
+    /// Adds the pairs that are not glued. At both ends of a period, a contact has one row for the nodes that move alike,
+    /// and none for others that are tied.
+    fn touch(&mut self, body: &Untied<'_>, bonds: &mut Bonds, mut slaves: BTreeSet<String>) -> Result<(), InputError> {
+        let Untied { description, mesh, dofs, materials, couplings, joints, moving, .. } = body;
+        let has_periods = self.all.iter().any(|pair| pair.shifted);
+        let untied = Dofs::clone(dofs);
+        let with_ties = if has_periods { self.clone().dofs(description, mesh, joints, untied)? } else { untied };
+        let periodic = self.all.iter().filter(|pair| pair.shifted).flat_map(|pair| pair.relative.values());
         let mut tied = couplings.rigid_bodies();
         tied.extend(periodic.filter(|node| with_ties.moving_alike(**node) == **node));
-        for (k, opposite) in in_pairs(false) {
-            let supports = OfNodes { dofs, tied: &tied, moving: &moving, joins: false };
+        for (k, opposite) in body.contacts(false) {
+            let supports = OfNodes { dofs, tied: &tied, moving, joins: false };
             let alike = |node: usize| with_ties.moving_alike(node);
             let mut pair = pair(description, mesh, k, opposite, materials, (&supports, &alike), &slaves)?;
             slaves.insert(pair.slave.clone());
             for row in &pair.mortar.rows {
                 if !bonds.bind(row.node) {
                     bonds.add(relative(row, false));
-                    pairs.relative.push(relative(row, false));
+                    self.relative.push(relative(row, false));
                     pair.relative.insert(row.node, row.node);
                 }
             }
-            pairs.all.push(pair);
+            self.all.push(pair);
         }
-        Ok(pairs)
+        Ok(())
     }
 
     /// Adds the relative displacements to `dofs`.
@@ -379,47 +422,7 @@ fn pair(
     mortar.join(alike);
     let swapped = choice.is_some_and(|choice| choice.slave == 1);
     let (slave, master) = if swapped { (second, first) } else { (first, second) };
-    // A measured gap is a difference of coordinates; below their rounding it is 0.
-    let coordinates = [slave, master].map(Boundary::nodes).into_iter().flatten().flat_map(|node| mesh.nodes[node]);
-    let touches = opposite.adjust.max(8.0 * f64::EPSILON * coordinates.fold(0.0, |most: f64, x| most.max(x.abs())));
-    let adjusted = |gap: f64| if gap.abs() <= touches { 0.0 } else { gap };
-    let gap = |row: &MortarRow| -> Result<f64, InputError> {
-        let place = mesh.nodes[row.node];
-        let gap = match &opposite.gap {
-            None => adjusted(row.gap - row.bulge),
-            Some(gap) => gap.at(place),
-        };
-        if gap.is_finite() {
-            return Ok(gap);
-        }
-        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.point(place));
-        Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
-    };
-    let gaps: Vec<f64> = if opposite.glued {
-        vec![0.0; mortar.rows.len()]
-    } else {
-        mortar.rows.iter().map(gap).collect::<Result<_, _>>()?
-    };
-    let deepest = mortar.rows.iter().zip(&gaps).min_by(|a, b| a.1.total_cmp(b.1));
-    if let Some((row, gap)) = deepest {
-        let bodies = mesh.bodies();
-        let thickness = [slave, master].map(|boundary| thickness(mesh, &bodies, boundary, row.normal));
-        let thickness = thickness[0].min(thickness[1]);
-        if *gap < -DEEPEST * thickness {
-            let [depth, thickness] = [-gap, thickness].map(|x| units.rounded(Quantity::Length, x, 3));
-            let place = units.point(mesh.nodes[row.node]);
-            let message =
-                format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
-            let (place, help) = match opposite.gap {
-                None => ("against", "move a body out, or give the gap"),
-                _ => (
-                    "gap",
-                    "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one",
-                ),
-            };
-            return Err(InputError::new(format!("{key}.{place}"), message, help));
-        }
-    }
+    let gaps = gaps(mesh, &mortar, [slave, master], opposite, &units, &key)?;
     let tightened = description.pretensions.iter().any(|own| own.boundary == description.contacts[k].boundary);
     Ok(Pair {
         contact: k,
@@ -436,6 +439,50 @@ fn pair(
         gaps,
         relative: BTreeMap::new(),
     })
+}
+
+/// Returns the initial gap of each row of a mortar between `sides`, m; fails if the two are deep inside each other.
+fn gaps(
+    mesh: &Mesh,
+    mortar: &Mortar,
+    sides: [&Boundary; 2],
+    opposite: &Opposite,
+    units: &UnitSystem,
+    key: &str,
+) -> Result<Vec<f64>, InputError> {
+    if opposite.glued {
+        return Ok(vec![0.0; mortar.rows.len()]);
+    }
+    // A measured gap is a difference of coordinates; below their rounding it is 0.
+    let coordinates = sides.map(Boundary::nodes).into_iter().flatten().flat_map(|node| mesh.nodes[node]);
+    let touches = opposite.adjust.max(8.0 * f64::EPSILON * coordinates.fold(0.0, |most: f64, x| most.max(x.abs())));
+    let adjusted = |gap: f64| if gap.abs() <= touches { 0.0 } else { gap };
+    let gap = |row: &MortarRow| -> Result<f64, InputError> {
+        let place = mesh.nodes[row.node];
+        let gap = opposite.gap.as_ref().map_or_else(|| adjusted(row.gap - row.bulge), |gap| gap.at(place));
+        if gap.is_finite() {
+            return Ok(gap);
+        }
+        let message = format!("the gap is {gap} at the node at {}, but must be a number", units.point(place));
+        Err(InputError::new(format!("{key}.gap"), message, "mend the formula"))
+    };
+    let gaps: Vec<f64> = mortar.rows.iter().map(gap).collect::<Result<_, _>>()?;
+    let deepest = mortar.rows.iter().zip(&gaps).min_by(|a, b| a.1.total_cmp(b.1));
+    let Some((row, gap)) = deepest else { return Ok(gaps) };
+    let bodies = mesh.bodies();
+    let [of_slave, of_master] = sides.map(|boundary| thickness(mesh, &bodies, boundary, row.normal));
+    let thickness = of_slave.min(of_master);
+    if *gap >= -DEEPEST * thickness {
+        return Ok(gaps);
+    }
+    let [depth, thickness] = [-gap, thickness].map(|x| units.rounded(Quantity::Length, x, 3));
+    let place = units.point(mesh.nodes[row.node]);
+    let message = format!("the bodies start {depth} inside each other at {place}, where one is {thickness} thick");
+    let (place, help) = match opposite.gap {
+        None => ("against", "move a body out, or give the gap"),
+        _ => ("gap", "the gap is in the scene's unit of length, and negative where bodies overlap: give a smaller one"),
+    };
+    Err(InputError::new(format!("{key}.{place}"), message, help))
 }
 
 /// Returns the slope of the surface of `slave` relative to the normal of each row, by its node: the tangent of the

@@ -61,7 +61,8 @@ fn bricks_slide_round_a_corner() {
             let (all, most) = (iterations.iter().sum::<usize>(), most_iterations.iter().sum());
             assert!(all <= most, "{slave:?} {linear:?} {iterations:?}");
             let state = outcome.state;
-            let largest = (0..model.contact.nodes.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
+            let largest =
+                (0..model.contact.nodes.len()).max_by(|a, b| state.p_n[*a].total_cmp(&state.p_n[*b])).unwrap();
             let found = [state.p_n[largest], state.p_t[largest], state.p_o[largest]];
             for (found, expected) in found.iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-8 * expected.abs(), "{slave:?} {found} {expected}");
