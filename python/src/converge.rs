@@ -10,8 +10,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::base::Units;
 use stickslip::scene::{Contents, Scene, with_contents};
-use stickslip_cli::converge::{ConvergeError, Limits, Plan, Sought, compute};
-use stickslip_cli::study::MeshSize;
+use stickslip_cli::converge::{ConvergeError, Limits, Plan, compute};
+use stickslip_cli::study::{MeshSize, TableQuantity};
 
 fn refused(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -43,7 +43,7 @@ impl Wanted {
     fn plan(self) -> PyResult<Plan> {
         let Wanted { quantity, to, meshes, ratio, max_runs, within } = self;
         let named = |error: String| PyValueError::new_err(format!("meshes: {error}"));
-        let sought = quantity.parse().map_err(|error: <Sought as std::str::FromStr>::Err| refused(error))?;
+        let sought = quantity.parse::<TableQuantity>().map_err(|error| refused(format!("quantity: {error}")))?;
         let meshes = meshes.iter().map(|mesh| mesh.parse::<MeshSize>()).collect::<Result<_, _>>().map_err(named)?;
         Ok(Plan { sought, meshes, ratio, limits: Limits { to, most_runs: max_runs, within } })
     }

@@ -244,7 +244,8 @@ impl Plan {
 }
 
 /// Computes every history of `plan`, the references first, and reports each to `progress` before it starts. Results do
-/// not depend on the number of histories computed at a time. Histories stored in `cells` are not computed again.
+/// not depend on the number of histories computed at a time. Histories stored in `cells` are not computed again. Once
+/// `stop` returns `true`, no further history is solved, and the comparison has those that are complete.
 ///
 /// # Errors
 /// When a mesh of the plan cannot be built or does not belong to this scene, or the linear algebra cannot go on.
@@ -253,6 +254,7 @@ pub fn compute(
     plan: &Plan,
     cells: &dyn Cells,
     progress: &mut (dyn FnMut(String) + Send),
+    stop: fn() -> bool,
 ) -> Result<Comparison, CompareError> {
     let mut increments = plan.increments.clone();
     increments.sort_unstable();
@@ -262,18 +264,28 @@ pub fn compute(
     let progress = Mutex::new(progress);
     let progress = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
     let studies = parallel_map(&meshes, plan.jobs, |mesh| {
+        if stop() {
+            return Ok(None);
+        }
         progress(format!("{mesh}, reference with {reference} increments"));
-        Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
+        Study::new(scene, mesh.clone(), reference, &plan.paths, cells, stop).map(Some)
     })?;
-    let units = studies.last().map_or(scene.description.system(3), |study| study.model.units());
+    let is_complete = |study: &Study| study.result.status != Status::Interrupted;
+    let studies: Vec<Study> = studies.into_iter().flatten().filter(is_complete).collect();
+    let units = studies.last().map_or(scene.description.system(3), Study::units);
     let mut tasks = Vec::new();
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let mut runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
+    let runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
+        if stop() {
+            return Ok(None);
+        }
         progress(format!("{}, {path}, {increments} increments", study.result.mesh));
-        study.run(path, increments, cells)
+        study.run(path, increments, cells).map(Some)
     })?;
+    let is_complete = |run: &Trial| run.course.status != Status::Interrupted;
+    let mut runs: Vec<Trial> = runs.into_iter().flatten().filter(is_complete).collect();
     let mut results: Vec<MeshResult> = studies.into_iter().map(|study| study.result).collect();
     // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
     // counts as the finer one.

@@ -16,7 +16,9 @@ use std::time::Instant;
 use serde::Serialize;
 
 use crate::compare::CompareError;
-use crate::study::MeshSize;
+use crate::study::{MeshSize, Places, TableQuantity};
+use stickslip::body::ModelError;
+use stickslip::body::mesh::Mesh;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
@@ -24,14 +26,13 @@ use stickslip::solver::history::{Observer, Status};
 
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
-pub use quantity::Sought;
 pub use steps::{Errors, Limits, Step, StudyResult};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The quantity.
-    pub sought: Sought,
+    pub sought: TableQuantity,
     /// The meshes, from coarse to fine; empty for those of the scene, refined by `ratio`.
     pub meshes: Vec<MeshSize>,
     /// The factor of the numbers of elements along each axis from mesh to mesh.
@@ -68,7 +69,7 @@ pub enum Verdict {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convergence {
     /// The quantity.
-    pub sought: Sought,
+    pub sought: TableQuantity,
     /// The share to which it was to be known.
     pub to: f64,
     /// The number of increments of the scene.
@@ -130,7 +131,10 @@ pub fn compute(
     observer: &mut dyn Observer,
 ) -> Result<Convergence, ConvergeError> {
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
-    let sought = plan.sought.at(&scene.description).map_err(ConvergeError::Quantity)?;
+    read_named(&ladder, scene)?;
+    let mut places = Places::default();
+    places.add(&scene.description);
+    let sought = plan.sought.at(&places, true).map_err(ConvergeError::Quantity)?;
     let mut last = None;
     let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
         let (run, report) = solve(scene, &sought, (&ladder, mesh, increments), steps, progress, observer)?;
@@ -141,10 +145,31 @@ pub fn compute(
     Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last })
 }
 
+/// Reads the meshes that are named, so that none is found to be wrong after the runs with the coarser ones.
+fn read_named(ladder: &Ladder, own: &Scene) -> Result<(), ConvergeError> {
+    let mut before = 0.0;
+    for level in 0..ladder.meshes().unwrap_or(0) {
+        let scene = own.with(&ladder.mesh(own, level)).map_err(RunError::from)?;
+        let source = &scene.description.mesh;
+        let mesh = source.build().map_err(|error| RunError::from(ModelError::from(error)))?;
+        if fineness(&mesh) <= before {
+            return Err(ConvergeError::NotFiner { mesh: ladder::name(source), elements: mesh.cells.len() });
+        }
+        before = fineness(&mesh);
+    }
+    Ok(())
+}
+
+/// Returns the number of elements, where one of second order counts as those of first order with its nodes.
+fn fineness(mesh: &Mesh) -> f64 {
+    let quadratic = mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+    mesh.cells.len() as f64 * if quadratic { 2.0_f64.powi(mesh.dimension as i32) } else { 1.0 }
+}
+
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
 fn solve(
     own: &Scene,
-    sought: &Sought,
+    sought: &TableQuantity,
     (ladder, mesh, increments): (&Ladder, usize, usize),
     steps: &[Step],
     progress: &mut dyn FnMut(String),
@@ -159,9 +184,7 @@ fn solve(
     let start = Instant::now();
     let run = Run::new(&scene)?;
     let model = run.model();
-    let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
-    let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-    let fineness = elements as f64 * if quadratic { 2.0_f64.powi(dimension as i32) } else { 1.0 };
+    let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));
     if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
         return Err(ConvergeError::NotFiner { mesh: name, elements });
     }
@@ -179,12 +202,12 @@ fn solve(
     };
     // Serialising never fails with these types.
     let json = serde_json::to_value(&report).unwrap_or_default();
-    let value = sought.value(&json);
+    let value = sought.of(&json).as_f64();
     let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
-        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&json) });
+        return Err(ConvergeError::NoValue { sought: sought.name(), known: quantity::words_of(&json) });
     }
     let solved = Step {
         level: mesh,

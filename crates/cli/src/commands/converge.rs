@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::converge::{self, ConvergeError, Limits, Plan, Sought, Verdict};
-use crate::study::MeshSize;
+use crate::converge::{self, ConvergeError, Limits, Plan, Verdict};
+use crate::study::{MeshSize, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
 use stickslip::scene::{Override, Scene};
+use stickslip_output::paragraph;
 
 use super::study::{StudyFolder, counted, pretty, print_results};
 use super::{ExitStatus, Failure, interrupt};
@@ -19,7 +20,7 @@ pub(super) struct ConvergeArgs {
     /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
     /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
-    sought: Sought,
+    sought: TableQuantity,
     /// The share to which it is to be known, e.g. 0.02 for 2 %
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share)]
     to: f64,
@@ -88,7 +89,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     bar.finish_and_clear();
     let json = pretty(&study.told())?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
-    text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
+    text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
     let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);
     text.extend(finer.map(|(command, _)| format!("             {command}")));
     let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));

@@ -1,7 +1,7 @@
 //! Charts of a sweep: a quantity, usually the largest contact pressure, over the key that varies first.
 
-use super::table::{Row, Sweep};
-use crate::study::{TableQuantity, grouped};
+use super::table::{PEAK, Row, Sweep};
+use crate::study::{TableQuantity, grouped, scene_label};
 use serde_json::Value;
 use stickslip_output::{Axis, Chart, Marker, Panel, Scale};
 
@@ -16,9 +16,9 @@ impl Sweep {
         let is_number = |value: &String| value.parse().is_ok_and(f64::is_finite);
         let numeric = self.varied.iter().position(|variation| variation.values.iter().all(is_number));
         let along = numeric.unwrap_or(0);
-        let key = self.varied.get(along).map_or("", |variation| &variation.key);
+        let key = self.varied.get(along).map_or(String::new(), |variation| scene_label(&variation.key, &self.units));
         let x = match numeric {
-            Some(_) => Axis { label: key.to_string(), scale: Scale::Linear },
+            Some(_) => Axis { label: key, scale: Scale::Linear },
             None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
         };
         let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
@@ -27,7 +27,7 @@ impl Sweep {
             if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
         };
         let pressed = self.variants.iter().any(|row| !row.outcome.values["largest_pressure"].is_null());
-        let pressure: Option<TableQuantity> = "largest_pressure.pressure".parse().ok().filter(|_| pressed);
+        let pressure: Option<TableQuantity> = PEAK.parse().ok().filter(|_| pressed);
         let height = |row: &Row| match (&self.plotted, &pressure, &row.outcome.values["largest_pressure"]) {
             (Some(quantity), _, _) => self.in_pictures(quantity, row.outcome.value(quantity)),
             (None, Some(_), Value::Null) => Some(0.0),
@@ -35,14 +35,15 @@ impl Sweep {
             (None, None, _) => row.outcome.values["iterations"].as_f64(),
         };
         let label = match (&self.plotted, &pressure) {
-            (Some(quantity), _) => self.label(quantity),
-            (None, Some(quantity)) => format!("largest contact {}", self.label(quantity)),
+            (Some(quantity), _) => quantity.head(self.units),
+            (None, Some(quantity)) => format!("largest contact {}", quantity.head(self.units)),
             (None, None) => "iterations".to_string(),
         };
         let converged: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.is_converged()).collect();
         let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
-            let of = others.map(|(_, (variation, value))| format!("{} = {value}", variation.key));
+            let of =
+                others.map(|(_, (variation, value))| format!("{} = {value}", scene_label(&variation.key, &self.units)));
             Some((of.collect::<Vec<_>>().join(", "), [position(row)?, height(row)?]))
         };
         let mut curves = grouped(converged.iter().filter_map(point));
