@@ -25,13 +25,12 @@ use std::sync::{Mutex, PoisonError};
 use stickslip::algebra::linear::process::Blas;
 use stickslip::algebra::parallel_map;
 use stickslip::base::UnitSystem;
-use stickslip::run::RunError;
 use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
 pub use crate::study::{ElementChoice, MeshChoice, MeshSize};
-use crate::study::{distinct, each, first_elements};
+use crate::study::{StudyError, distinct, each, first_elements};
 pub use answers::{Estimate, Lead};
 pub(crate) use cell::CellFolder;
 pub use cell::Cells;
@@ -182,34 +181,6 @@ pub struct Comparison {
     pub runs: Vec<Trial>,
 }
 
-/// The reason why a comparison is impossible.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum CompareError {
-    /// Numbers of elements were requested for a scene whose mesh comes from a file.
-    #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
-    #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or remove --meshes"))]
-    FixedMesh,
-    /// Cell types were requested for a scene whose mesh file determines them.
-    #[error("the cell types of the scene's mesh cannot be changed")]
-    #[diagnostic(help(
-        "other cell types need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) work \
-         with every mesh"
-    ))]
-    FixedCells,
-    /// Mesh files were named for a scene that generates its mesh.
-    #[error("the scene generates its mesh, so it takes no mesh file")]
-    #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with a mesh file"))]
-    NoMeshFile,
-    /// There is no mesh to compare on.
-    #[error("the plan has no meshes")]
-    #[diagnostic(help("name at least one"))]
-    NoMesh,
-    /// A mesh of the plan could not be built, or a run ended without a report.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Run(#[from] RunError),
-}
-
 impl fmt::Display for SolverPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.linear)
@@ -255,7 +226,7 @@ pub fn compute(
     cells: &dyn Cells,
     progress: &mut (dyn FnMut(String) + Send),
     stop: fn() -> bool,
-) -> Result<Comparison, CompareError> {
+) -> Result<Comparison, StudyError> {
     let mut increments = plan.increments.clone();
     increments.sort_unstable();
     increments.dedup();

@@ -3,6 +3,7 @@
 //! quantity is known, [`compare`](crate::compare) judges methods and meshes against a reference.
 
 mod curves;
+mod error;
 mod keys;
 mod mesh;
 mod places;
@@ -10,6 +11,7 @@ mod quantity;
 mod record;
 
 pub(crate) use curves::{DASHES, curve, grouped, labelled, scene_label};
+pub use error::StudyError;
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub(crate) use mesh::{each, first_elements, multiplied};
 pub use places::Places;

@@ -8,9 +8,6 @@ const SCREEN: usize = 100;
 /// The width of the labels before paragraphs.
 const LABEL: usize = 13;
 
-/// The largest width of a column in a table that is wider than a screen.
-const WIDEST: usize = 40;
-
 /// The characters after which a head or a cell may be broken; the last two only if the table is too wide without.
 const BREAKS: [char; 5] = [' ', '.', ':', '_', ','];
 
@@ -55,7 +52,9 @@ impl Table {
 
     /// Returns the columns in the first form that fits a screen, otherwise in the last one.
     fn columns(&self) -> Vec<Column> {
-        let forms = [(24, usize::MAX, 3), (16, usize::MAX, 3), (0, usize::MAX, 3), (0, WIDEST, 3), (0, WIDEST, 5)];
+        // The columns that name a row and any other fit beside each other.
+        let widest = SCREEN / (self.names + 1) - GAP.len();
+        let forms = [(24, usize::MAX, 3), (16, usize::MAX, 3), (0, usize::MAX, 3), (0, widest, 3), (0, widest, 5)];
         forms.into_iter().fold(self.broken(0, usize::MAX, 0), |columns, (narrow, widest, breaks)| {
             if width(&columns) > SCREEN { self.broken(narrow, widest, breaks) } else { columns }
         })
@@ -80,13 +79,6 @@ impl Table {
         }
         columns
     }
-
-    /// Returns the table with the number of each row as its name.
-    fn numbered(&self) -> Table {
-        let row = |(k, row): (usize, &Vec<String>)| [vec![(k + 1).to_string()], row.clone()].concat();
-        let heads = [vec!["row".to_string()], self.heads.clone()].concat();
-        Table { heads, rows: self.rows.iter().enumerate().map(row).collect(), names: 1 }
-    }
 }
 
 impl fmt::Display for Table {
@@ -94,9 +86,6 @@ impl fmt::Display for Table {
         let columns = self.columns();
         let (names, mut others) = columns.split_at(self.names.min(columns.len()));
         let fits = |others: &[Column]| width(names) + GAP.len() + width(others) <= SCREEN;
-        if self.names > 1 && !others.chunks(1).all(fits) {
-            return self.numbered().fmt(f);
-        }
         loop {
             let (beside, below) =
                 others.split_at((1..=others.len()).rfind(|&n| fits(&others[..n])).unwrap_or(others.len()));

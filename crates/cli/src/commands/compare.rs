@@ -3,7 +3,7 @@
 use super::run::write_failure;
 use super::study::{StudyFolder, counted, print_results};
 use super::{ExitStatus, Failure, Invocation, interrupt, origin};
-use crate::compare::{self, CellFolder, Cells, CompareError, Comparison, Plan, SolverPath};
+use crate::compare::{self, CellFolder, Cells, Comparison, Plan, SolverPath};
 use crate::study::{ElementChoice, MeshChoice, MeshSize};
 use clap::Args;
 use std::path::PathBuf;
@@ -92,11 +92,7 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let cells = store.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.histories(), "histories");
-    let comparison =
-        compare::compute(&scene, &plan, cells, &mut progress, interrupt::requested).map_err(|error| match error {
-            CompareError::Run(error) => Failure::from(error),
-            of_the_plan => Failure::Input(of_the_plan.into()),
-        })?;
+    let comparison = compare::compute(&scene, &plan, cells, &mut progress, interrupt::requested)?;
     bar.finish_and_clear();
 
     let labels = ["answers"].into_iter().chain(std::iter::repeat(""));

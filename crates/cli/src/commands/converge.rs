@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::converge::{self, ConvergeError, Limits, Plan, Verdict};
-use crate::study::{MeshSize, TableQuantity};
+use crate::converge::{self, Limits, Plan, Verdict};
+use crate::study::{MeshSize, StudyError, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
@@ -81,9 +81,8 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     let study =
         converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted).map_err(
             |error| match error {
-                ConvergeError::Run(error) => Failure::from(error),
-                ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
-                of_the_plan => Failure::Input(of_the_plan.into()),
+                StudyError::NoFinerMesh => no_finer_mesh(&scene),
+                other => other.into(),
             },
         )?;
     bar.finish_and_clear();
@@ -98,7 +97,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {
-    let error = ConvergeError::NoFinerMesh;
+    let error = StudyError::NoFinerMesh;
     let Some((command, meshes)) = finer(scene) else { return Failure::Input(error.into()) };
     let help = format!(
         "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",

@@ -7,7 +7,8 @@ use std::fs;
 
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method};
-use stickslip_cli::compare::{self, CompareError, MeshChoice, MeshSize, Plan, SolverPath};
+use stickslip_cli::compare::{self, MeshChoice, MeshSize, Plan, SolverPath};
+use stickslip_cli::study::StudyError;
 
 use crate::program::{Folder, assert_exit, small, stderr, stdout, stickslip};
 
@@ -79,15 +80,15 @@ fn meshes_from_files_go_by_their_names() {
     assert_eq!(runs, ["4.msh", "4.msh", "8.msh", "8.msh", "16.msh", "16.msh"]);
 
     let none = Plan { meshes: Vec::new(), ..own.clone() };
-    assert!(matches!(compare::compute(&scene, &none, &(), &mut |_| {}, || false), Err(CompareError::NoMesh)));
+    assert!(matches!(compare::compute(&scene, &none, &(), &mut |_| {}, || false), Err(StudyError::NoMesh)));
     let numbers = Plan { meshes: vec![MeshSize::Elements(4).into()], ..own };
-    assert!(matches!(compare::compute(&scene, &numbers, &(), &mut |_| {}, || false), Err(CompareError::FixedMesh)));
+    assert!(matches!(compare::compute(&scene, &numbers, &(), &mut |_| {}, || false), Err(StudyError::FixedMesh)));
     let cells = MeshChoice { size: MeshSize::Own, elements: Some("triangle".parse().unwrap()) };
     let cells = Plan { meshes: vec![cells], ..numbers.clone() };
-    assert!(matches!(compare::compute(&scene, &cells, &(), &mut |_| {}, || false), Err(CompareError::FixedCells)));
+    assert!(matches!(compare::compute(&scene, &cells, &(), &mut |_| {}, || false), Err(StudyError::FixedCells)));
     let made = Scene::parse("scene.toml", &small(), &[]).unwrap();
     let named = Plan { meshes: files.to_vec(), ..numbers };
-    assert!(matches!(compare::compute(&made, &named, &(), &mut |_| {}, || false), Err(CompareError::NoMeshFile)));
+    assert!(matches!(compare::compute(&made, &named, &(), &mut |_| {}, || false), Err(StudyError::NoMeshFile)));
 
     let out = folder.join("out");
     let output =
