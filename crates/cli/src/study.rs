@@ -10,7 +10,7 @@ mod places;
 mod quantity;
 mod record;
 
-pub(crate) use curves::{DASHES, curve, grouped, labelled, scene_label};
+pub(crate) use curves::{DASHES, curve, grouped, labelled, scene_words};
 pub use error::StudyError;
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub(crate) use mesh::{each, first_elements, multiplied};

@@ -36,6 +36,7 @@ impl Table {
     }
 
     /// Sets the number of columns, the first ones, that name a row, and are repeated beside columns that stand below.
+    #[must_use]
     pub fn named_by(self, names: usize) -> Self {
         Table { names, ..self }
     }

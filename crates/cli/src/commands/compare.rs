@@ -106,7 +106,8 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
         } else {
             "with --out it can be continued"
         };
-        text += &format!("\ninterrupted  {done} of {} histories are complete; {cure}", plan.histories());
+        let line = format!("\ninterrupted  {done} of {} histories are complete; {cure}", plan.histories());
+        text += &line;
     }
     let runs = comparison.runs_csv();
     print_results(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;

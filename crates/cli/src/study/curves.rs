@@ -30,20 +30,17 @@ pub(crate) fn labelled(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") }
 }
 
-/// Returns the key of a value of a scene, or several keys, in words, with the unit if the key tells it: `material young
-/// [Pa]`.
-pub(crate) fn scene_label(keys: &str, units: &UnitSystem) -> String {
-    let words = |key: &str| {
-        let name = key.rsplit('.').next().unwrap_or_default();
-        let unit = match name.split('[').next().unwrap_or_default() {
-            "young" | "traction" | "pressure" => units.name(Quantity::Stress),
-            "force" => units.name(Quantity::Force),
-            "moment" => units.name(Quantity::Moment),
-            "gap" | "radius" => units.name(Quantity::Length),
-            "end" => "s".to_string(),
-            _ => String::new(),
-        };
-        labelled(&key.trim().replace(['.', '_'], " "), &unit)
+/// Returns the key of a value of a scene, or several keys, in words, and the unit if one key tells it: `material young`,
+/// `Pa`.
+pub(crate) fn scene_words(keys: &str, units: &UnitSystem) -> (String, String) {
+    let unit = match keys.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default() {
+        _ if keys.contains(',') => String::new(),
+        "young" | "traction" | "pressure" => units.name(Quantity::Stress),
+        "force" => units.name(Quantity::Force),
+        "moment" => units.name(Quantity::Moment),
+        "gap" | "radius" => units.name(Quantity::Length),
+        "end" => "s".to_string(),
+        _ => String::new(),
     };
-    keys.split(',').map(words).collect::<Vec<_>>().join(", ")
+    (keys.replace(['.', '_'], " "), unit)
 }

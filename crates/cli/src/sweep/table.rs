@@ -10,7 +10,7 @@ use stickslip_output::{Table, paragraph};
 
 use super::outcome::VariantResult;
 use super::variation::Variation;
-use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, number, scene_label};
+use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number, scene_words};
 
 /// All variants of a scene with their results.
 #[derive(Debug, Clone, PartialEq)]
@@ -173,9 +173,15 @@ impl Sweep {
         if notes.is_empty() { table.to_string() } else { format!("{table}\n{notes}") }
     }
 
+    /// Returns a varied key in words, with its unit.
+    pub(super) fn label(&self, key: &str) -> String {
+        let (words, unit) = scene_words(key, &self.units);
+        labelled(&words, &unit)
+    }
+
     /// Returns the heads of the table for people.
     pub(super) fn heads(&self) -> Vec<String> {
-        let varied = self.varied.iter().map(|variation| scene_label(&variation.key, &self.units));
+        let varied = self.varied.iter().map(|variation| self.label(&variation.key));
         let shown = self.shown.iter().map(|quantity| quantity.head(self.units));
         let run = ["verdict", "inc"].map(String::from);
         varied.chain(run).chain(shown).chain(["warnings".to_string()]).collect()
@@ -188,9 +194,10 @@ impl Sweep {
         let shown = self.shown.iter().map(|quantity| match outcome.value(quantity) {
             Value::Null => "-".to_string(),
             Value::String(text) => text.clone(),
-            value => self
-                .in_pictures(quantity, value)
-                .map_or_else(|| value.to_string(), |x| self.units.rounded(Quantity::Number, x, DIGITS)),
+            value => match self.in_pictures(quantity, value).filter(|_| value.is_f64()) {
+                Some(x) => self.units.rounded(Quantity::Number, x, DIGITS),
+                None => value.to_string(),
+            },
         });
         let has = |kind: &str| outcome.warnings.iter().any(|(other, _)| other == kind);
         let letters = self.warned().into_iter().zip(LETTERS.chars()).filter(|((kind, _), _)| has(kind));
@@ -206,7 +213,9 @@ impl Sweep {
         for row in &self.variants {
             let first: BTreeMap<&str, &str> =
                 row.outcome.warnings.iter().rev().map(|(kind, message)| (&**kind, &**message)).collect();
-            first.into_iter().for_each(|(kind, message)| warned.entry(kind).or_default().push(message));
+            for (kind, message) in first {
+                warned.entry(kind).or_default().push(message);
+            }
         }
         warned
     }
