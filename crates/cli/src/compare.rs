@@ -233,13 +233,16 @@ pub fn compute(
     let meshes = each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let progress = Mutex::new(progress);
-    let progress = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
-    let studies = parallel_map(&meshes, plan.jobs, |mesh| {
-        if stop() {
-            return Ok(None);
+    let begins = |what: String| {
+        let goes_on = !stop();
+        if goes_on {
+            progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
         }
-        progress(format!("{mesh}, reference with {reference} increments"));
-        Study::new(scene, mesh.clone(), reference, &plan.paths, cells, stop).map(Some)
+        goes_on
+    };
+    let studies = parallel_map(&meshes, plan.jobs, |mesh| {
+        let begins = begins(format!("{mesh}, reference with {reference} increments"));
+        begins.then(|| Study::new(scene, mesh.clone(), reference, &plan.paths, cells, stop)).transpose()
     })?;
     let is_complete = |study: &Study| study.result.status != Status::Interrupted;
     let studies: Vec<Study> = studies.into_iter().flatten().filter(is_complete).collect();
@@ -249,11 +252,8 @@ pub fn compute(
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
     let runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
-        if stop() {
-            return Ok(None);
-        }
-        progress(format!("{}, {path}, {increments} increments", study.result.mesh));
-        study.run(path, increments, cells).map(Some)
+        let begins = begins(format!("{}, {path}, {increments} increments", study.result.mesh));
+        begins.then(|| study.run(path, increments, cells)).transpose()
     })?;
     let is_complete = |run: &Trial| run.course.status != Status::Interrupted;
     let mut runs: Vec<Trial> = runs.into_iter().flatten().filter(is_complete).collect();

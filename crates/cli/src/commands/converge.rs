@@ -7,16 +7,16 @@ use crate::study::{MeshSize, StudyError, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
-use stickslip::scene::{Override, Scene};
+use stickslip::scene::Scene;
 use stickslip_output::paragraph;
 
 use super::study::{StudyFolder, counted, pretty, print_results};
-use super::{ExitStatus, Failure, interrupt};
+use super::{ExitStatus, Failure, SceneArgs, interrupt};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
-    /// Scene file (TOML)
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
     /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
@@ -24,9 +24,6 @@ pub(super) struct ConvergeArgs {
     /// The share to which it is to be known, e.g. 0.02 for 2 %
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share)]
     to: f64,
-    /// Replace a value of the scene, e.g. contact.friction=0
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     /// Meshes from coarse to fine, each by its first number of elements, the other numbers in the proportions of the
     /// scene; for a scene with a mesh file, mesh files, relative to the scene file: a.msh,b.msh [default: a quarter, half, all of the scene's
     /// elements along each axis, and so on]
@@ -68,7 +65,7 @@ const COLUMNS: &str = "mesh,elements,increments,";
 /// Exit status 1: the quantity is not known to the asked share.
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
-    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let scene = args.scene.read()?;
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let plan = Plan {
         sought: args.sought.clone(),

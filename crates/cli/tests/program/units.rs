@@ -345,7 +345,7 @@ fn comparisons_are_told_in_the_units_of_the_scene() {
     };
     let [(si_text, (header, si)), (mm_text, (_, mm))] = block().map(|text| meshes(&text));
     assert!(
-        si_text.contains("sum p_n, N/m ") && mm_text.contains("sum p_n, N/mm ") && mm_text.contains("energy, mJ/mm")
+        si_text.contains("sum p_n [N/m] ") && mm_text.contains("sum p_n [N/mm] ") && mm_text.contains("energy [mJ/mm]")
     );
     for (k, name) in header.split(',').enumerate().filter(|(_, name)| !name.starts_with("error_")) {
         let unit = match name {
