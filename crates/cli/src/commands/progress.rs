@@ -94,7 +94,7 @@ pub(super) fn bar(length: usize, unit: &str) -> ProgressBar {
     let template = format!("{{bar:30}} {{pos}}/{{len}} {unit}, {{elapsed}}{{left}}  {{msg}}");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
     let style = style.with_key("left", |state: &ProgressState, f: &mut dyn Write| {
-        // Before the first step is done nothing is known.
+        // Nothing is known before the first step is done.
         let left = (state.pos() > 0).then(|| write!(f, ", {} left", HumanDuration(state.eta())));
         // The bar has no way to report a failure of its own text.
         let _ = left.transpose();
