@@ -166,8 +166,8 @@ fn kinds() -> Vec<Subject> {
     all.into_iter().map(|(name, text)| Subject { name, text, set: Vec::new() }).collect()
 }
 
-/// A random scene in space, of bricks or tetrahedra: a block on a plane or a sphere that moves, or two blocks, the upper one
-/// as wide as the lower one or half as wide, pressed and then moved along a direction of its own.
+/// A random scene in space, of bricks or tetrahedra: a block on a plane or a sphere that moves, or two blocks, the
+/// upper one as wide as the lower one or half as wide, pressed and then moved along a direction of its own.
 fn in_space(seed: u64) -> Subject {
     let mut random = Random::new(seed);
     let cells = ["hexahedron", "tetrahedron"][random.below(2)];
@@ -186,8 +186,9 @@ fn in_space(seed: u64) -> Subject {
     let one = |obstacle: &str| {
         let [x, y] = [along, across].map(|by| back * by);
         format!(
-            "mesh = {lower}\nmaterial = {material}\n[[support]]\nboundary = \"top\"\nfix = [\"x\", \"y\", \"z\"]\n[[contact]]\n\
-             boundary = \"bottom\"\nfriction = {friction}\n[contact.obstacle]\n{obstacle}\napproach = [[0, 0], [1, 1e-3]]\n\
+            "mesh = {lower}\nmaterial = {material}\n[[support]]\nboundary = \"top\"\nfix = [\"x\", \"y\", \"z\"]\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = {friction}\n[contact.obstacle]\n{obstacle}\n\
+             approach = [[0, 0], [1, 1e-3]]\n\
              motion.translation = [[0, 0, 0, 0], [1, 0, 0, 0], [1.6, {along}, {across}, 0], [2, {x}, {y}, 0]]\n{time}"
         )
     };
@@ -205,8 +206,8 @@ fn in_space(seed: u64) -> Subject {
         let pressed = moved("\"z\"", &[-1e-3], "[[0, 0], [1, 1], [2, 1]]");
         let pushed = moved("\"x\", \"y\"", &[along, across], &format!("[[0, 0], [1, 0], [1.6, 1], [2, {back}]]"));
         format!(
-            "{bodies}[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\", \"z\"]\n{pressed}{pushed}[[contact]]\n\
-             boundary = \"upper:bottom\"\nagainst = \"lower:top\"\nfriction = {friction}\n{time}"
+            "{bodies}[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\", \"z\"]\n{pressed}{pushed}\
+             [[contact]]\nboundary = \"upper:bottom\"\nagainst = \"lower:top\"\nfriction = {friction}\n{time}"
         )
     };
     let (kind, text) = match random.below(4) {

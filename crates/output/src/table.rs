@@ -61,8 +61,8 @@ impl Table {
         })
     }
 
-    /// Returns the columns with heads wider than `narrow` and their cells broken after the first so many of the [`BREAKS`],
-    /// and cells wider than `widest` broken after any.
+    /// Returns the columns with heads wider than `narrow` and their cells broken after the first so many of the
+    /// [`BREAKS`], and cells wider than `widest` broken after any.
     fn broken(&self, narrow: usize, widest: usize, breaks: usize) -> Vec<Column> {
         let column = |(k, head): (usize, &String)| {
             let cells = self.rows.iter().map(|row| lines(&row[k], widest, &BREAKS)).collect::<Vec<_>>();

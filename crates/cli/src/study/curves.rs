@@ -30,8 +30,8 @@ pub(crate) fn labelled(name: &str, unit: &str) -> String {
     if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") }
 }
 
-/// Returns the key of a value of a scene, or several keys, in words, and the unit if one key tells it: `material young`,
-/// `Pa`.
+/// Returns the key of a value of a scene, or several keys, in words, and the unit if one key tells it:
+/// `material young`, `Pa`.
 pub(crate) fn scene_words(keys: &str, units: &UnitSystem) -> (String, String) {
     let unit = match keys.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default() {
         _ if keys.contains(',') => String::new(),

@@ -187,8 +187,8 @@ impl Sweep {
         varied.chain(run).chain(shown).chain(["warnings".to_string()]).collect()
     }
 
-    /// Returns the cells of a variant for people; a dash for a value that it does not have, and a letter for each kind of
-    /// warning.
+    /// Returns the cells of a variant for people; a dash for a value that it does not have, and a letter for each kind
+    /// of warning.
     pub(super) fn cells(&self, row: &Row) -> Vec<String> {
         let Row { values, outcome, .. } = row;
         let shown = self.shown.iter().map(|quantity| match outcome.value(quantity) {
@@ -220,8 +220,8 @@ impl Sweep {
         warned
     }
 
-    /// Returns, each with a label, the reasons why variants ended early, the first warning of each kind with its cure, and
-    /// the quantities that no variant has.
+    /// Returns, each with a label, the reasons why variants ended early, the first warning of each kind with its cure,
+    /// and the quantities that no variant has.
     pub(super) fn notes(&self) -> Vec<(String, String)> {
         let name = |row: &Row| {
             let pairs = self.varied.iter().zip(&row.values).map(|(varied, value)| format!("{}={value}", varied.key));
