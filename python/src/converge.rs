@@ -10,16 +10,16 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use stickslip::base::Units;
 use stickslip::scene::{Contents, Scene, with_contents};
-use stickslip_cli::converge::{ConvergeError, Limits, Plan, Sought, compute};
-use stickslip_cli::study::MeshSize;
+use stickslip_cli::converge::{Limits, Plan, compute};
+use stickslip_cli::study::{MeshSize, StudyError, TableQuantity};
 
 fn refused(error: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-fn of_study(error: ConvergeError) -> PyErr {
+fn of_study(error: StudyError) -> PyErr {
     match error {
-        ConvergeError::Run(error) => of_run(error),
+        StudyError::Run(error) => of_run(error),
         of_the_plan => {
             let help = of_the_plan.help().map_or(String::new(), |help| format!("; {help}"));
             PyValueError::new_err(format!("{of_the_plan}{help}"))
@@ -43,7 +43,7 @@ impl Wanted {
     fn plan(self) -> PyResult<Plan> {
         let Wanted { quantity, to, meshes, ratio, max_runs, within } = self;
         let named = |error: String| PyValueError::new_err(format!("meshes: {error}"));
-        let sought = quantity.parse().map_err(|error: <Sought as std::str::FromStr>::Err| refused(error))?;
+        let sought = quantity.parse::<TableQuantity>().map_err(|error| refused(format!("quantity: {error}")))?;
         let meshes = meshes.iter().map(|mesh| mesh.parse::<MeshSize>()).collect::<Result<_, _>>().map_err(named)?;
         Ok(Plan { sought, meshes, ratio, limits: Limits { to, most_runs: max_runs, within } })
     }

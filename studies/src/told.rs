@@ -8,7 +8,7 @@ use stickslip::solver::history::Status;
 use stickslip_cli::converge::Ladder;
 
 use crate::estimates::EstimateError;
-use crate::warnings::Case;
+use crate::warnings::{Case, Random};
 
 /// The finer mesh has so many times the elements along each axis, in the plane and in space.
 const FINER: [f64; 2] = [4.0, 2.0];
@@ -166,13 +166,66 @@ fn kinds() -> Vec<Subject> {
     all.into_iter().map(|(name, text)| Subject { name, text, set: Vec::new() }).collect()
 }
 
-/// All scenes, `count` of them random.
+/// A random scene in space, of bricks or tetrahedra: a block on a plane or a sphere that moves, or two blocks, the
+/// upper one as wide as the lower one or half as wide, pressed and then moved along a direction of its own.
+fn in_space(seed: u64) -> Subject {
+    let mut random = Random::new(seed);
+    let cells = ["hexahedron", "tetrahedron"][random.below(2)];
+    let (n, increments) = (3 + random.below(3), 4 + random.below(9));
+    let (friction, poisson) = (random.between(0.1, 0.8), random.between(0.1, 0.45));
+    let push = 1e-3 * friction * random.between(0.3, 4.0);
+    let turn = random.between(0.0, std::f64::consts::TAU);
+    let [along, across] = [push * turn.cos(), push * turn.sin()];
+    let back = random.between(-1.0, 1.0);
+    let mesh = |size: [f64; 3], elements: [usize; 3]| {
+        format!("{{ kind = \"block\", size = {size:?}, elements = {elements:?}, cells = \"{cells}\" }}")
+    };
+    let material = format!("{{ young = 1e9, poisson = {poisson} }}");
+    let time = format!("[time]\nend = 2\nincrements = {increments}\n");
+    let lower = mesh([1.0, 1.0, 0.5], [n + 2, n + 2, n / 2 + 1]);
+    let one = |obstacle: &str| {
+        let [x, y] = [along, across].map(|by| back * by);
+        format!(
+            "mesh = {lower}\nmaterial = {material}\n[[support]]\nboundary = \"top\"\nfix = [\"x\", \"y\", \"z\"]\n\
+             [[contact]]\nboundary = \"bottom\"\nfriction = {friction}\n[contact.obstacle]\n{obstacle}\n\
+             approach = [[0, 0], [1, 1e-3]]\n\
+             motion.translation = [[0, 0, 0, 0], [1, 0, 0, 0], [1.6, {along}, {across}, 0], [2, {x}, {y}, 0]]\n{time}"
+        )
+    };
+    let two = |at: f64, width: f64, elements: usize| {
+        let body = |name: &str, at: [f64; 3], mesh: &str| {
+            format!("[[body]]\nname = \"{name}\"\nat = {at:?}\nmesh = {mesh}\nmaterial = {material}\n")
+        };
+        let upper = mesh([width, width, 0.5], [elements, elements, n / 2 + 1]);
+        let bodies = [body("lower", [0.0; 3], &lower), body("upper", [at, at, 0.5], &upper)].concat();
+        let moved = |axes: &str, by: &[f64], history: &str| {
+            format!(
+                "[[support]]\nboundary = \"upper:top\"\nfix = [{axes}]\ndisplacement = {by:?}\nhistory = {history}\n"
+            )
+        };
+        let pressed = moved("\"z\"", &[-1e-3], "[[0, 0], [1, 1], [2, 1]]");
+        let pushed = moved("\"x\", \"y\"", &[along, across], &format!("[[0, 0], [1, 0], [1.6, 1], [2, {back}]]"));
+        format!(
+            "{bodies}[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\", \"z\"]\n{pressed}{pushed}\
+             [[contact]]\nboundary = \"upper:bottom\"\nagainst = \"lower:top\"\nfriction = {friction}\n{time}"
+        )
+    };
+    let (kind, text) = match random.below(4) {
+        0 => ("plane", one("kind = \"plane\"")),
+        1 => ("sphere", one("kind = \"sphere\"\nradius = 60.0\napex = [0.5, 0.5, 0.0]")),
+        2 => ("equal", two(0.0, 1.0, n + 3)),
+        _ => ("narrow", two(0.25, 0.5, n)),
+    };
+    Subject { name: format!("space {seed}, {kind}, {cells}"), text, set: Vec::new() }
+}
+
+/// All scenes, `count` random ones in the plane and as many in space among them.
 pub fn subjects(count: u64) -> Vec<Subject> {
     let random = (0..count).map(|seed| {
         let case = Case::new(seed);
         Subject { name: format!("random {seed}, {:?}", case.kind), text: case.text([1, 1]), set: Vec::new() }
     });
-    kinds().into_iter().chain(shipped()).chain(random).collect()
+    kinds().into_iter().chain(shipped()).chain(random).chain((0..count).map(in_space)).collect()
 }
 
 /// The told errors of a run, in the order of [`QUANTITIES`].

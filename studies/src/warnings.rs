@@ -26,9 +26,14 @@ const FINER: [usize; 2] = [2, 4];
 const SMALL: f64 = 0.01;
 
 /// Splitmix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
+pub(crate) struct Random(u64);
 
 impl Random {
+    /// Returns the numbers of a `seed`.
+    pub(crate) fn new(seed: u64) -> Self {
+        Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d))
+    }
+
     fn number(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -36,11 +41,11 @@ impl Random {
         z ^ (z >> 31)
     }
 
-    fn between(&mut self, low: f64, high: f64) -> f64 {
+    pub(crate) fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * ((self.number() >> 11) as f64 / (1_u64 << 53) as f64)
     }
 
-    fn below(&mut self, n: u64) -> usize {
+    pub(crate) fn below(&mut self, n: u64) -> usize {
         (self.number() % n) as usize
     }
 }
@@ -87,7 +92,7 @@ pub struct Case {
 impl Case {
     /// The scene of a `seed`.
     pub fn new(seed: u64) -> Self {
-        let mut random = Random(seed.wrapping_mul(0x2545_f491_4f6c_dd1d));
+        let mut random = Random::new(seed);
         let kind = KINDS[random.below(4)];
         let cells = ["quadrilateral", "triangle", "triangle6"][random.below(3)];
         let elements = 4 + random.below(21);

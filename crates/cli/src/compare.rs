@@ -25,13 +25,12 @@ use std::sync::{Mutex, PoisonError};
 use stickslip::algebra::linear::process::Blas;
 use stickslip::algebra::parallel_map;
 use stickslip::base::UnitSystem;
-use stickslip::run::RunError;
 use stickslip::run::report::Estimates;
 use stickslip::scene::Scene;
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Status};
 
 pub use crate::study::{ElementChoice, MeshChoice, MeshSize};
-use crate::study::{distinct, each, first_elements};
+use crate::study::{StudyError, distinct, each, first_elements};
 pub use answers::{Estimate, Lead};
 pub(crate) use cell::CellFolder;
 pub use cell::Cells;
@@ -182,34 +181,6 @@ pub struct Comparison {
     pub runs: Vec<Trial>,
 }
 
-/// The reason why a comparison is impossible.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum CompareError {
-    /// Numbers of elements were requested for a scene whose mesh comes from a file.
-    #[error("the mesh of the scene comes from a file, so it has no numbers of elements to change")]
-    #[diagnostic(help("name mesh files (--meshes coarse.msh,fine.msh), or remove --meshes"))]
-    FixedMesh,
-    /// Cell types were requested for a scene whose mesh file determines them.
-    #[error("the cell types of the scene's mesh cannot be changed")]
-    #[diagnostic(help(
-        "other cell types need a scene with mesh.kind = \"block\"; strains alone (--elements bilinear,b-bar) work \
-         with every mesh"
-    ))]
-    FixedCells,
-    /// Mesh files were named for a scene that generates its mesh.
-    #[error("the scene generates its mesh, so it takes no mesh file")]
-    #[diagnostic(help("give numbers of elements (--meshes 20,40), or a scene with a mesh file"))]
-    NoMeshFile,
-    /// There is no mesh to compare on.
-    #[error("the plan has no meshes")]
-    #[diagnostic(help("name at least one"))]
-    NoMesh,
-    /// A mesh of the plan could not be built, or a run ended without a report.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Run(#[from] RunError),
-}
-
 impl fmt::Display for SolverPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.linear)
@@ -244,7 +215,8 @@ impl Plan {
 }
 
 /// Computes every history of `plan`, the references first, and reports each to `progress` before it starts. Results do
-/// not depend on the number of histories computed at a time. Histories stored in `cells` are not computed again.
+/// not depend on the number of histories computed at a time. Histories stored in `cells` are not computed again. Once
+/// `stop` returns `true`, no further history is solved, and the comparison has those that are complete.
 ///
 /// # Errors
 /// When a mesh of the plan cannot be built or does not belong to this scene, or the linear algebra cannot go on.
@@ -253,27 +225,38 @@ pub fn compute(
     plan: &Plan,
     cells: &dyn Cells,
     progress: &mut (dyn FnMut(String) + Send),
-) -> Result<Comparison, CompareError> {
+    stop: fn() -> bool,
+) -> Result<Comparison, StudyError> {
     let mut increments = plan.increments.clone();
     increments.sort_unstable();
     increments.dedup();
     let meshes = each(&scene.description.mesh, &plan.meshes)?;
     let reference = plan.reference * increments.last().copied().unwrap_or(1);
     let progress = Mutex::new(progress);
-    let progress = |what: String| progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
+    let begins = |what: String| {
+        let goes_on = !stop();
+        if goes_on {
+            progress.lock().unwrap_or_else(PoisonError::into_inner)(what);
+        }
+        goes_on
+    };
     let studies = parallel_map(&meshes, plan.jobs, |mesh| {
-        progress(format!("{mesh}, reference with {reference} increments"));
-        Study::new(scene, mesh.clone(), reference, &plan.paths, cells)
+        let begins = begins(format!("{mesh}, reference with {reference} increments"));
+        begins.then(|| Study::new(scene, mesh.clone(), reference, &plan.paths, cells, stop)).transpose()
     })?;
-    let units = studies.last().map_or(scene.description.system(3), |study| study.model.units());
+    let is_complete = |study: &Study| study.result.status != Status::Interrupted;
+    let studies: Vec<Study> = studies.into_iter().flatten().filter(is_complete).collect();
+    let units = studies.last().map_or(scene.description.system(3), Study::units);
     let mut tasks = Vec::new();
     for study in &studies {
         tasks.extend(plan.paths.iter().flat_map(|&path| increments.iter().map(move |&number| (study, path, number))));
     }
-    let mut runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
-        progress(format!("{}, {path}, {increments} increments", study.result.mesh));
-        study.run(path, increments, cells)
+    let runs = parallel_map(&tasks, plan.jobs, |&(study, path, increments)| {
+        let begins = begins(format!("{}, {path}, {increments} increments", study.result.mesh));
+        begins.then(|| study.run(path, increments, cells)).transpose()
     })?;
+    let is_complete = |run: &Trial| run.course.status != Status::Interrupted;
+    let mut runs: Vec<Trial> = runs.into_iter().flatten().filter(is_complete).collect();
     let mut results: Vec<MeshResult> = studies.into_iter().map(|study| study.result).collect();
     // The size of meshes from files is known only now. Among meshes with equally many displacements, the one named last
     // counts as the finer one.

@@ -15,8 +15,9 @@ use std::time::Instant;
 
 use serde::Serialize;
 
-use crate::compare::CompareError;
-use crate::study::MeshSize;
+use crate::study::{MeshSize, Places, StudyError, TableQuantity};
+use stickslip::body::ModelError;
+use stickslip::body::mesh::Mesh;
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::{Override, Scene};
@@ -24,14 +25,13 @@ use stickslip::solver::history::{Observer, Status};
 
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
-pub use quantity::Sought;
 pub use steps::{Errors, Limits, Step, StudyResult};
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
     /// The quantity.
-    pub sought: Sought,
+    pub sought: TableQuantity,
     /// The meshes, from coarse to fine; empty for those of the scene, refined by `ratio`.
     pub meshes: Vec<MeshSize>,
     /// The factor of the numbers of elements along each axis from mesh to mesh.
@@ -68,7 +68,7 @@ pub enum Verdict {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Convergence {
     /// The quantity.
-    pub sought: Sought,
+    pub sought: TableQuantity,
     /// The share to which it was to be known.
     pub to: f64,
     /// The number of increments of the scene.
@@ -77,46 +77,6 @@ pub struct Convergence {
     pub result: StudyResult,
     /// The report of the last run.
     pub last: RunReport,
-}
-
-/// The reason why a study is impossible.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum ConvergeError {
-    /// The mesh of the scene comes from a file, and no finer one is named.
-    #[error("the mesh of the scene comes from a file, and no finer meshes are named")]
-    #[diagnostic(help("name mesh files from coarse to fine (--meshes coarse.msh,fine.msh)"))]
-    NoFinerMesh,
-    /// The meshes do not become finer.
-    #[error("mesh {mesh} has {elements} elements and is no finer than the one before")]
-    #[diagnostic(help(
-        "name meshes from coarse to fine; an element of second order counts as four, in space as eight"
-    ))]
-    NotFiner {
-        /// The mesh.
-        mesh: String,
-        /// Its number of elements.
-        elements: usize,
-    },
-    /// Nothing with such a column acts at the place of the quantity.
-    #[error("{0}")]
-    Quantity(String),
-    /// The scene has no such quantity.
-    #[error("the scene has no {sought}")]
-    #[diagnostic(help("{}", if known.is_empty() { "nothing touches: correct the scene".to_string() } else { format!("ask for {}", known.join(", ")) }))]
-    NoValue {
-        /// The quantity.
-        sought: String,
-        /// The quantities that the scene has.
-        known: Vec<&'static str>,
-    },
-    /// A mesh of the plan cannot be taken for this scene.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Mesh(#[from] CompareError),
-    /// A run ended without a report.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Run(#[from] RunError),
 }
 
 /// Refines `scene` as planned, and reports each run to `progress` before it starts. `observer` sees all runs, and may stop them.
@@ -128,28 +88,52 @@ pub fn compute(
     plan: &Plan,
     progress: &mut dyn FnMut(String),
     observer: &mut dyn Observer,
-) -> Result<Convergence, ConvergeError> {
+) -> Result<Convergence, StudyError> {
     let ladder = Ladder::new(scene, &plan.meshes, plan.ratio)?;
-    let sought = plan.sought.at(&scene.description).map_err(ConvergeError::Quantity)?;
+    read_named(&ladder, scene)?;
+    let mut places = Places::default();
+    places.add(&scene.description);
+    let sought = plan.sought.at(&places, true).map_err(StudyError::Quantity)?;
     let mut last = None;
     let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
         let (run, report) = solve(scene, &sought, (&ladder, mesh, increments), steps, progress, observer)?;
         last = Some(report);
         Ok(run)
     })?;
-    let last = last.ok_or(ConvergeError::NoFinerMesh)?;
+    let last = last.ok_or(StudyError::NoFinerMesh)?;
     Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last })
+}
+
+/// Reads the meshes that are named, so that none is found to be wrong after the runs with the coarser ones.
+fn read_named(ladder: &Ladder, own: &Scene) -> Result<(), StudyError> {
+    let mut before = 0.0;
+    for level in 0..ladder.meshes().unwrap_or(0) {
+        let scene = own.with(&ladder.mesh(own, level)).map_err(RunError::from)?;
+        let source = &scene.description.mesh;
+        let mesh = source.build().map_err(|error| RunError::from(ModelError::from(error)))?;
+        if fineness(&mesh) <= before {
+            return Err(StudyError::NotFiner { mesh: ladder::name(source), elements: mesh.cells.len() });
+        }
+        before = fineness(&mesh);
+    }
+    Ok(())
+}
+
+/// Returns the number of elements, where one of second order counts as those of first order with its nodes.
+fn fineness(mesh: &Mesh) -> f64 {
+    let quadratic = mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
+    mesh.cells.len() as f64 * if quadratic { 2.0_f64.powi(mesh.dimension as i32) } else { 1.0 }
 }
 
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
 fn solve(
     own: &Scene,
-    sought: &Sought,
+    sought: &TableQuantity,
     (ladder, mesh, increments): (&Ladder, usize, usize),
     steps: &[Step],
     progress: &mut dyn FnMut(String),
     observer: &mut dyn Observer,
-) -> Result<(Step, RunReport), ConvergeError> {
+) -> Result<(Step, RunReport), StudyError> {
     let number = ladder.increments(increments);
     let mut overrides = ladder.mesh(own, mesh);
     overrides.push(Override::value("time.increments", number as i64));
@@ -159,11 +143,9 @@ fn solve(
     let start = Instant::now();
     let run = Run::new(&scene)?;
     let model = run.model();
-    let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
-    let quadratic = model.mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-    let fineness = elements as f64 * if quadratic { 2.0_f64.powi(dimension as i32) } else { 1.0 };
+    let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));
     if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
-        return Err(ConvergeError::NotFiner { mesh: name, elements });
+        return Err(StudyError::NotFiner { mesh: name, elements });
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
     let report = run.solve(observer)?;
@@ -179,12 +161,12 @@ fn solve(
     };
     // Serialising never fails with these types.
     let json = serde_json::to_value(&report).unwrap_or_default();
-    let value = sought.value(&json);
+    let value = sought.of(&json).as_f64();
     let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
-        return Err(ConvergeError::NoValue { sought: sought.to_string(), known: Sought::there(&json) });
+        return Err(StudyError::NoValue { sought: sought.name(), known: quantity::words_of(&json) });
     }
     let solved = Step {
         level: mesh,

@@ -3,17 +3,19 @@
 //! quantity is known, [`compare`](crate::compare) judges methods and meshes against a reference.
 
 mod curves;
+mod error;
 mod keys;
 mod mesh;
 mod places;
 mod quantity;
 mod record;
 
-pub(crate) use curves::{DASHES, curve, grouped, labelled};
+pub(crate) use curves::{DASHES, curve, grouped, labelled, scene_words};
+pub use error::StudyError;
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub(crate) use mesh::{each, first_elements, multiplied};
 pub use places::Places;
-pub(crate) use quantity::{KEY_RESULTS, KeyResult};
+pub(crate) use quantity::KEY_RESULTS;
 pub use quantity::{TableQuantity, listed, quantities};
 pub(crate) use record::{Record, csv, number, record};
 

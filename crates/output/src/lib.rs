@@ -46,7 +46,7 @@ pub use schema::run_schema;
 #[cfg(feature = "schema")]
 pub use schema::schema_of;
 pub use svg::{Dash, Line, Marker, PlotError};
-pub use table::Table;
+pub use table::{Table, paragraph};
 pub use vtu::{Field, Grid, Values};
 
 #[cfg(test)]

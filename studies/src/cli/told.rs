@@ -10,7 +10,7 @@ use super::{Answer, jobs};
 
 #[derive(Args)]
 pub(super) struct ToldArgs {
-    /// The number of random scenes, beside the shipped ones and those of some kinds
+    /// The number of random scenes in the plane, and of those in space, beside the shipped ones and those of some kinds
     #[arg(long, default_value_t = 30)]
     count: u64,
     /// Only scenes whose name contains this text

@@ -2,14 +2,15 @@
 
 use super::run::write_failure;
 use super::study::{StudyFolder, counted, print_results};
-use super::{ExitStatus, Failure, Invocation, origin};
-use crate::compare::{self, CellFolder, Cells, CompareError, Comparison, Plan, SolverPath};
+use super::{ExitStatus, Failure, Invocation, interrupt, origin};
+use crate::compare::{self, CellFolder, Cells, Comparison, Plan, SolverPath};
 use crate::study::{ElementChoice, MeshChoice, MeshSize};
 use clap::Args;
 use std::path::PathBuf;
 use stickslip::algebra::linear::{self, SparseLu};
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::{HistoryMethod, LinearAlgebra, Method, Start, Status};
+use stickslip_output::paragraph;
 
 #[derive(Args)]
 pub(super) struct CompareArgs {
@@ -79,6 +80,7 @@ fn method(name: &str, setting: &str) -> HistoryMethod {
 /// Exit status 1: a history in a default setting, or a reference, did not converge. The settings of the paper may fail,
 /// which the table shows.
 pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocation) -> Result<ExitStatus, Failure> {
+    interrupt::listen();
     let scene = Scene::read(&args.scene, &args.overrides)?;
     let solvers = solvers(&args.solvers)?;
     let plan = plan(args, threads, &solvers, &scene);
@@ -90,17 +92,28 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     let cells = store.as_ref().map_or(&() as &dyn Cells, |kept| kept);
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.histories(), "histories");
-    let comparison = compare::compute(&scene, &plan, cells, &mut progress).map_err(|error| match error {
-        CompareError::Run(error) => Failure::from(error),
-        of_the_plan => Failure::Input(of_the_plan.into()),
-    })?;
+    let comparison = compare::compute(&scene, &plan, cells, &mut progress, interrupt::requested)?;
     bar.finish_and_clear();
 
-    let answers = comparison.answers().join("\n");
+    let labels = ["answers"].into_iter().chain(std::iter::repeat(""));
+    let answers: String = labels.zip(comparison.answers()).map(|(label, answer)| paragraph(label, &answer)).collect();
     let blas = comparison.blas.as_ref().map_or(String::new(), |blas| format!("{}\n\n", blas.with_threads()));
-    let text = format!("{}\n\n{answers}\n\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
+    let mut text = format!("{}\n\n{answers}\n{blas}{}", comparison.title, comparison.to_text(&comparison.meshes));
+    let done = comparison.meshes.len() + comparison.runs.len();
+    if interrupt::requested() {
+        let cure = if folder.is_some() {
+            "repeat the command with --resume to continue"
+        } else {
+            "with --out it can be continued"
+        };
+        let line = format!("\ninterrupted  {done} of {} histories are complete; {cure}", plan.histories());
+        text += &line;
+    }
     let runs = comparison.runs_csv();
     print_results(folder.as_ref(), args.csv.then_some(&runs), &text, || files(&comparison, invocation))?;
+    if interrupt::requested() {
+        return Ok(ExitStatus::NotConverged);
+    }
     if let (Some(folder), Some(cells)) = (&folder, &store) {
         cells.remove().map_err(|error| write_failure(folder.path, &error))?;
     }

@@ -2,30 +2,28 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::converge::{self, ConvergeError, Limits, Plan, Sought, Verdict};
-use crate::study::MeshSize;
+use crate::converge::{self, Limits, Plan, Verdict};
+use crate::study::{MeshSize, StudyError, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
 use stickslip::body::mesh::MeshSource;
-use stickslip::scene::{Override, Scene};
+use stickslip::scene::Scene;
+use stickslip_output::paragraph;
 
 use super::study::{StudyFolder, counted, pretty, print_results};
-use super::{ExitStatus, Failure, interrupt};
+use super::{ExitStatus, Failure, SceneArgs, interrupt};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
-    /// Scene file (TOML)
-    scene: PathBuf,
+    #[command(flatten)]
+    scene: SceneArgs,
     /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
     /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
-    sought: Sought,
+    sought: TableQuantity,
     /// The share to which it is to be known, e.g. 0.02 for 2 %
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share)]
     to: f64,
-    /// Replace a value of the scene, e.g. contact.friction=0
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    overrides: Vec<Override>,
     /// Meshes from coarse to fine, each by its first number of elements, the other numbers in the proportions of the
     /// scene; for a scene with a mesh file, mesh files, relative to the scene file: a.msh,b.msh [default: a quarter, half, all of the scene's
     /// elements along each axis, and so on]
@@ -67,7 +65,7 @@ const COLUMNS: &str = "mesh,elements,increments,";
 /// Exit status 1: the quantity is not known to the asked share.
 pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     interrupt::listen();
-    let scene = Scene::read(&args.scene, &args.overrides)?;
+    let scene = args.scene.read()?;
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
     let plan = Plan {
         sought: args.sought.clone(),
@@ -80,15 +78,14 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
     let study =
         converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted).map_err(
             |error| match error {
-                ConvergeError::Run(error) => Failure::from(error),
-                ConvergeError::NoFinerMesh => no_finer_mesh(&scene),
-                of_the_plan => Failure::Input(of_the_plan.into()),
+                StudyError::NoFinerMesh => no_finer_mesh(&scene),
+                other => other.into(),
             },
         )?;
     bar.finish_and_clear();
     let json = pretty(&study.told())?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
-    text.extend(study.lines().iter().map(|(label, line)| format!("{label:<13}{line}\n")));
+    text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
     let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);
     text.extend(finer.map(|(command, _)| format!("             {command}")));
     let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
@@ -97,7 +94,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
 }
 
 fn no_finer_mesh(scene: &Scene) -> Failure {
-    let error = ConvergeError::NoFinerMesh;
+    let error = StudyError::NoFinerMesh;
     let Some((command, meshes)) = finer(scene) else { return Failure::Input(error.into()) };
     let help = format!(
         "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",

@@ -1,8 +1,9 @@
 //! The display of progress during a run.
 
+use std::fmt::Write;
 use std::io::{IsTerminal, stderr};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use stickslip::solver::history::IncrementRecord;
 
 /// A table of increments on standard output, with a progress bar below it on a terminal.
@@ -90,7 +91,13 @@ impl Progress {
 pub(super) fn bar(length: usize, unit: &str) -> ProgressBar {
     let interactive = stderr().is_terminal();
     let target = if interactive { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
-    let template = format!("{{bar:30}} {{pos}}/{{len}} {unit}, {{elapsed}}, {{eta}} left  {{msg}}");
+    let template = format!("{{bar:30}} {{pos}}/{{len}} {unit}, {{elapsed}}{{left}}  {{msg}}");
     let style = ProgressStyle::with_template(&template).unwrap_or_else(|_| ProgressStyle::default_bar());
+    let style = style.with_key("left", |state: &ProgressState, f: &mut dyn Write| {
+        // Nothing is known before the first step is done.
+        let left = (state.pos() > 0).then(|| write!(f, ", {} left", HumanDuration(state.eta())));
+        // The bar has no way to report a failure of its own text.
+        let _ = left.transpose();
+    });
     ProgressBar::with_draw_target(Some(length as u64), target).with_style(style)
 }

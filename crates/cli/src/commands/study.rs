@@ -6,9 +6,19 @@ use std::path::Path;
 use super::Failure;
 use super::progress::bar;
 use super::run::write_failure;
+use crate::study::StudyError;
 use indicatif::ProgressBar;
 use serde::Serialize;
 use stickslip_output::{FolderLock, PlotError, write_file};
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Run(error) => error.into(),
+            of_the_plan => Failure::Input(of_the_plan.into()),
+        }
+    }
+}
 
 impl From<serde_json::Error> for Failure {
     fn from(error: serde_json::Error) -> Self {

@@ -119,6 +119,7 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
         } else {
             // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
             let same = || one(args, &task.overrides).is_ok_and(|(now, _, _)| now == task.fingerprint);
+            bar.set_message(task.values.join(", "));
             let outcome = processes.run(task, same)?;
             bar.inc(1);
             outcome

@@ -5,6 +5,7 @@ use super::errors::{End, TimeErrors};
 use super::{Course, Iterate, MeshChoice, MeshResult, Phases, SolverPath, Trial};
 use std::ops::ControlFlow;
 use std::time::Instant;
+use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{EstimateWatch, thread_cpu_seconds};
 use stickslip::run::{Run, RunError, discretise, expect_exact_path};
@@ -25,12 +26,19 @@ fn has_exact_path(model: &Model) -> bool {
     straight && apart && unloaded && loading.gap_corrections().is_empty() && loading.friction().is_none()
 }
 
-/// A scene on one mesh, with its reference.
-pub(super) struct Study {
+/// A scene on one mesh.
+struct Body {
     scene: Scene,
-    pub model: Model,
+    model: Model,
     /// Wall and CPU time of building the model, s.
     built: [f64; 2],
+    /// Returns `true` once no history is to be solved any more.
+    stop: fn() -> bool,
+}
+
+/// A scene on one mesh, with its reference.
+pub(super) struct Study {
+    body: Body,
     pub result: MeshResult,
 }
 
@@ -43,6 +51,7 @@ impl Study {
         reference: usize,
         paths: &[SolverPath],
         cells: &dyn Cells,
+        stop: fn() -> bool,
     ) -> Result<Self, RunError> {
         // The gaps of moving obstacles are exact at the ends of the increments of the reference, and so for all
         // histories whose increments are unions of these.
@@ -53,11 +62,11 @@ impl Study {
             expect_exact_path(&scene, &model)?;
         }
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
-        let reference = Solved::stored_or(cells, &format!("{mesh}, reference, {reference}"), &model.problem, || {
-            solve_reference(&scene, &model, built, reference)
-        })?;
-        let watch = reference.seen.and_then(|seen| seen.of(&model));
-        let estimates = watch.unwrap_or_else(|| EstimateWatch::new(&model)).estimates(&model);
+        let body = Body { scene, model, built, stop };
+        let (name, model) = (format!("{mesh}, reference, {reference}"), &body.model);
+        let reference = Solved::stored_or(cells, &name, &model.problem, || body.reference(reference))?;
+        let watch = reference.seen.and_then(|seen| seen.of(model));
+        let estimates = watch.unwrap_or_else(|| EstimateWatch::new(model)).estimates(model);
         let result = MeshResult {
             mesh,
             displacements: model.problem.displacements(),
@@ -65,19 +74,24 @@ impl Study {
             increments: reference.increments,
             status: reference.course.status,
             seconds: reference.course.seconds.cpu,
-            end: End::new(&model, &reference.state, reference.work),
+            end: End::new(model, &reference.state, reference.work),
             errors: None,
             estimates: (reference.course.status == Status::Converged).then_some(estimates),
         };
-        Ok(Study { scene, model, built, result })
+        Ok(Study { body, result })
+    }
+
+    /// Returns the units of the scene in the dimension of the mesh.
+    pub(super) fn units(&self) -> UnitSystem {
+        self.body.model.units()
     }
 
     /// Returns the history by `path` in this number of increments, solved unless `cells` has stored it.
     pub(super) fn run(&self, path: SolverPath, increments: usize, cells: &dyn Cells) -> Result<Trial, RunError> {
-        let Study { scene, model, built, result } = self;
-        let mesh = &result.mesh;
+        let Study { body, result } = self;
+        let (mesh, model) = (&result.mesh, &body.model);
         let solved = Solved::stored_or(cells, &format!("{mesh}, {path}, {increments}"), &model.problem, || {
-            solve(scene, model, *built, path.solver(&scene.solver), increments, None)
+            body.solve(path.solver(&body.scene.solver), increments, None)
         })?;
         let end = End::new(model, &solved.state, solved.work);
         let converged = solved.course.status == Status::Converged && result.status == Status::Converged;
@@ -87,61 +101,63 @@ impl Study {
     }
 }
 
-/// Solves the exact path; if it is unknown or ends early, solves this number of increments.
-fn solve_reference(scene: &Scene, model: &Model, built: [f64; 2], increments: usize) -> Result<Solved, RunError> {
-    let end = scene.time.all().last().copied();
-    let by = |method: HistoryMethod, increments| {
-        let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
-        // The linear solver is the one with the least estimated time.
-        solve(scene, model, built, SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
-    };
-    if has_exact_path(model) {
-        let path = by(HistoryMethod::ExactPath, 1)?;
-        if path.course.status == Status::Converged {
-            return Ok(Solved { increments: 0, ..path });
-        }
-    }
-    by(Method::BN.into(), increments)
-}
-
 fn increments_of(number: usize) -> Override {
     Override::value("time.increments", number as i64)
 }
 
-fn solve(
-    scene: &Scene,
-    model: &Model,
-    built: [f64; 2],
-    solver: SolverChoice,
-    increments: usize,
-    last: Option<LastIncrement<'_>>,
-) -> Result<Solved, RunError> {
-    let scene = scene.with(&[increments_of(increments)])?;
-    let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
-    let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last };
-    let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
-    let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
-    let linear = &outcome.linear;
-    let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
-    let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
-    let other = wall - analysis - assembly - factor - solve;
-    let [wall, cpu] = [built[0] + wall, built[1] + cpu];
-    let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest: other };
-    let records = &outcome.records;
-    let course = Course {
-        status: outcome.status,
-        converged: outcome.tally.converged,
-        iterations: outcome.tally.iterations,
-        factorizations: linear.factorizations,
-        seconds,
-        factor_entries: linear.factor.entries,
-        factor_peak_bytes: linear.factor.peak_bytes,
-        kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
-        iterates: recorder.iterates,
-    };
-    let work = records.iter().map(|record| record.friction_work).sum();
-    let watch = recorder.last.map(|last| last.watch);
-    Ok(Solved { increments, course, state: outcome.state, work, seen: watch })
+impl Body {
+    /// Solves the exact path; if it is unknown or ends early, solves this number of increments.
+    fn reference(&self, increments: usize) -> Result<Solved, RunError> {
+        let Body { scene, model, .. } = self;
+        let end = scene.time.all().last().copied();
+        let by = |method: HistoryMethod, increments| {
+            let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
+            // The linear solver is the one with the least estimated time.
+            self.solve(SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
+        };
+        if has_exact_path(model) {
+            let path = by(HistoryMethod::ExactPath, 1)?;
+            if path.course.status == Status::Converged {
+                return Ok(Solved { increments: 0, ..path });
+            }
+        }
+        by(Method::BN.into(), increments)
+    }
+
+    fn solve(
+        &self,
+        solver: SolverChoice,
+        increments: usize,
+        last: Option<LastIncrement<'_>>,
+    ) -> Result<Solved, RunError> {
+        let Body { scene, model, built, stop } = self;
+        let scene = scene.with(&[increments_of(increments)])?;
+        let (wall, cpu) = (Instant::now(), thread_cpu_seconds());
+        let mut recorder = Recorder { since: thread_cpu_seconds(), iterates: Vec::new(), last, stop: *stop };
+        let outcome = Run::of(model, scene.time.all(), solver)?.history(&mut recorder)?;
+        let (wall, cpu) = (wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu);
+        let linear = &outcome.linear;
+        let [analysis, factor, solve] = [linear.analysis_seconds, linear.factor_seconds, linear.solve_seconds];
+        let assembly: f64 = outcome.records.iter().map(|record| record.seconds.assembly).sum();
+        let other = wall - analysis - assembly - factor - solve;
+        let [wall, cpu] = [built[0] + wall, built[1] + cpu];
+        let seconds = Phases { cpu, wall, model: built[0], analysis, assembly, factor, solve, rest: other };
+        let records = &outcome.records;
+        let course = Course {
+            status: outcome.status,
+            converged: outcome.tally.converged,
+            iterations: outcome.tally.iterations,
+            factorizations: linear.factorizations,
+            seconds,
+            factor_entries: linear.factor.entries,
+            factor_peak_bytes: linear.factor.peak_bytes,
+            kkt: records.iter().map(|record| record.kkt.worst().1).fold(0.0, f64::max),
+            iterates: recorder.iterates,
+        };
+        let work = records.iter().map(|record| record.friction_work).sum();
+        let watch = recorder.last.map(|last| last.watch);
+        Ok(Solved { increments, course, state: outcome.state, work, seen: watch })
+    }
 }
 
 impl SolverPath {
@@ -171,11 +187,15 @@ struct Recorder<'a> {
     since: f64,
     iterates: Vec<Iterate>,
     last: Option<LastIncrement<'a>>,
+    stop: fn() -> bool,
 }
 
 impl Observer for Recorder<'_> {
     fn iteration(&mut self, increment: usize, record: &IterationRecord) -> ControlFlow<()> {
         let begun = self.iterates.last().filter(|last| last.increment == increment).map(|last| last.iteration);
+        if (self.stop)() {
+            return ControlFlow::Break(());
+        }
         if begun.is_none() {
             self.since = thread_cpu_seconds();
         }
@@ -223,9 +243,10 @@ mod tests {
             8,
             &[],
             &(),
+            || false,
         )
         .unwrap();
         let ends: Vec<f64> = (0..=8).map(|k| f64::from(k) / 8.0).collect();
-        assert_eq!(study.model.loading.gap_corrections()[0].times(), ends);
+        assert_eq!(study.body.model.loading.gap_corrections()[0].times(), ends);
     }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::{fs, io};
 use stickslip::run::report::EstimateWatch;
 use stickslip::scene::Provenance;
+use stickslip::solver::history::Status;
 use stickslip::solver::{Checkpoint, ContactProblem, State};
 use stickslip_output::write_file;
 
@@ -87,7 +88,9 @@ impl Solved {
             return Ok(kept);
         }
         let solved = solve()?;
-        cells.keep(name, &Checkpoint::new(solved.course.converged, 0.0, &solved));
+        if solved.course.status != Status::Interrupted {
+            cells.keep(name, &Checkpoint::new(solved.course.converged, 0.0, &solved));
+        }
         Ok(solved)
     }
 }

@@ -17,9 +17,8 @@ impl Convergence {
     /// Returns the table of the runs.
     pub fn table(&self) -> Table {
         let units = self.units_for_people();
-        let quantity = self.sought.of.quantity();
-        let head = labelled(&self.sought.to_string(), &self.sought.of.unit(&units));
-        let mut table = Table::new(&["mesh", "elements", "inc", &head, "change", "s", ""]);
+        let quantity = self.sought.quantity();
+        let mut table = Table::new(&["mesh", "elements", "inc", &self.head(), "change", "s", ""]);
         for (k, run) in self.result.steps.iter().enumerate() {
             let number = |x: f64| units.rounded(Quantity::Number, units.of_si(quantity, x), DIGITS);
             let remark = match (run.value, run.is_resolved) {
@@ -42,12 +41,12 @@ impl Convergence {
 
     /// Returns the runs as comma-separated values, in the units of the scene.
     pub fn to_csv(&self) -> String {
-        csv(&self.runs(&self.sought.word).into_iter().map(record).collect::<Vec<_>>(), number)
+        csv(&self.runs(self.sought.word()).into_iter().map(record).collect::<Vec<_>>(), number)
     }
 
     /// Returns the runs in the units of the scene, with this name of the value.
     fn runs(&self, value: &str) -> Vec<Value> {
-        let of_si = |x: f64| self.last.units.of_si(self.sought.of.quantity(), x);
+        let of_si = |x: f64| self.last.units.of_si(self.sought.quantity(), x);
         let run = |(k, run): (usize, &Step)| {
             json!({
                 "mesh": run.mesh,
@@ -65,7 +64,7 @@ impl Convergence {
     /// Returns the study as one JSON object, in the units of the scene.
     pub fn told(&self) -> Value {
         let units = &self.last.units;
-        let quantity = self.sought.of.quantity();
+        let quantity = self.sought.quantity();
         let value = |x: f64| units.of_si(quantity, x);
         let position = |peak: &LargestPressure| {
             let place = peak.position[..units.dimension].iter().map(|x| units.of_si(Quantity::Length, *x));
@@ -78,8 +77,8 @@ impl Convergence {
             "program_version": env!("CARGO_PKG_VERSION"),
             "title": self.last.title,
             "scene": self.last.scene,
-            "quantity": self.sought.word,
-            "unit": self.sought.of.unit(units),
+            "quantity": self.sought.word(),
+            "unit": self.sought.unit(units),
             "to": self.to,
             "verdict": self.result.verdict,
             "message": self.outcome(),
@@ -114,17 +113,17 @@ impl Convergence {
     /// Returns the value with its uncertainty: `the peak pressure is 71.3 MPa ± 1.4 %`; `None` without a limit.
     fn known(&self) -> Option<String> {
         let errors = self.result.errors.as_ref().filter(|_| self.has_limit())?;
-        let value = self.units_for_people().rounded(self.sought.of.quantity(), errors.value, DIGITS);
-        Some(format!("the {} is {value} ± {}", self.sought, self.percent(errors.total()?)))
+        let value = self.units_for_people().rounded(self.sought.quantity(), errors.value, DIGITS);
+        Some(format!("the {} is {value} ± {}", self.sought.name(), self.percent(errors.total()?)))
     }
 
     /// Returns the verdict as a heading.
     pub(super) fn in_short(&self) -> String {
         match (&self.result.verdict, self.known()) {
             (Verdict::Known, Some(known)) => known,
-            (Verdict::Singular, _) => format!("the {} is singular", self.sought),
+            (Verdict::Singular, _) => format!("the {} is singular", self.sought.name()),
             (_, Some(known)) => format!("{known}, not yet known to {}", self.percent(self.to)),
-            (_, None) => format!("the {} is not known", self.sought),
+            (_, None) => format!("the {} is not known", self.sought.name()),
         }
     }
 
@@ -139,7 +138,7 @@ impl Convergence {
     pub fn outcome(&self) -> String {
         let units = &self.last.units;
         let Some(last) = self.result.steps.last() else { return String::new() };
-        let sought = &self.sought;
+        let sought = self.sought.name();
         let increments =
             if last.increments == 1 { "1 increment".into() } else { format!("{} increments", last.increments) };
         let here = format!("mesh {} with {increments}", last.mesh);
@@ -187,7 +186,7 @@ impl Convergence {
                 (errors.total(), errors.of_mesh(), errors.of_increments())
         {
             let units = self.units_for_people();
-            lines.push(("extrapolated", units.rounded(self.sought.of.quantity(), errors.extrapolated(), DIGITS)));
+            lines.push(("extrapolated", units.rounded(self.sought.quantity(), errors.extrapolated(), DIGITS)));
             let behaviour = |limit: Option<Limit>| limit.map_or(String::new(), |limit| format!(" ({limit})"));
             let of_increments = errors.increments.map_or(String::new(), |limit| {
                 format!(", increments {}{}", percent(of_increments), behaviour(Some(limit)))
@@ -217,9 +216,13 @@ impl Convergence {
         Some((self.result.steps[*found.0].mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
     }
 
-    /// Returns the units for text and pictures: in SI, MPa for pressures.
+    /// Returns the name of the quantity with its unit.
+    pub(super) fn head(&self) -> String {
+        labelled(&self.sought.name(), &self.sought.unit(&self.units_for_people()))
+    }
+
     pub(super) fn units_for_people(&self) -> UnitSystem {
-        if self.sought.of.quantity() == Quantity::Stress { self.last.units.of_pictures() } else { self.last.units }
+        self.sought.units_for_people(self.last.units)
     }
 
     /// Returns the change of the value by run `k`, as a share.

@@ -3,8 +3,7 @@
 use stickslip::body::mesh::{HalfPlane, MeshSource};
 use stickslip::scene::{Override, Scene};
 
-use super::ConvergeError;
-use crate::study::{MeshChoice, MeshSize, each, first_elements, multiplied};
+use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multiplied};
 
 /// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless they are
 /// exact halves.
@@ -33,11 +32,11 @@ impl Ladder {
     ///
     /// # Errors
     /// When the scene has no meshes of this kind.
-    pub fn new(scene: &Scene, named: &[MeshSize], ratio: f64) -> Result<Self, ConvergeError> {
+    pub fn new(scene: &Scene, named: &[MeshSize], ratio: f64) -> Result<Self, StudyError> {
         let mesh = &scene.description.mesh;
         let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
         let named = match choices.is_empty() {
-            true if first_elements(mesh).is_none() => return Err(ConvergeError::NoFinerMesh),
+            true if first_elements(mesh).is_none() => return Err(StudyError::NoFinerMesh),
             true => Vec::new(),
             false => each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect(),
         };

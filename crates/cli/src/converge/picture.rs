@@ -2,7 +2,7 @@
 
 use super::Convergence;
 use super::steps::Step;
-use crate::study::{curve, labelled};
+use crate::study::curve;
 use stickslip_output::{Axis, Chart, Curve, Dash, Line, Panel, Scale};
 
 const GREY: [u8; 3] = [120, 120, 120];
@@ -10,7 +10,7 @@ const GREY: [u8; 3] = [120, 120, 120];
 impl Convergence {
     /// Returns the chart.
     pub fn chart(&self) -> Chart {
-        let quantity = self.sought.of.quantity();
+        let quantity = self.sought.quantity();
         let units = self.units_for_people();
         let value = |x: f64| units.of_si(quantity, x);
         let finest = self.result.steps.iter().map(size).fold(f64::INFINITY, f64::min);
@@ -42,7 +42,7 @@ impl Convergence {
             title: self.last.title.clone(),
             subtitle: self.in_short(),
             x: Axis { label: "element size, relative to the finest mesh".into(), scale: Scale::Linear },
-            y: Axis { label: labelled(&self.sought.to_string(), &self.sought.of.unit(&units)), scale: Scale::Linear },
+            y: Axis { label: self.head(), scale: Scale::Linear },
             columns: 1,
             panels: vec![Panel { curves, ..Panel::default() }],
         }

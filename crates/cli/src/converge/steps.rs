@@ -3,7 +3,8 @@
 use std::time::Instant;
 
 use super::extrapolation::{Behaviour, Limit, is_singular, limit};
-use super::{ConvergeError, Ladder, Verdict};
+use super::{Ladder, Verdict};
+use crate::study::StudyError;
 
 /// Meshes with known values before a quantity counts as known.
 const MESHES: usize = 3;
@@ -170,7 +171,7 @@ pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
 }
 
 /// Solves, after the steps so far, with these levels of mesh and increments.
-type Solve<'a> = dyn FnMut(&[Step], usize, usize) -> Result<Step, ConvergeError> + 'a;
+type Solve<'a> = dyn FnMut(&[Step], usize, usize) -> Result<Step, StudyError> + 'a;
 
 /// Refines until the value is known, calling `solve` with the steps so far and the levels of mesh and increments.
 pub(super) fn refine(
@@ -178,7 +179,7 @@ pub(super) fn refine(
     limits: Limits,
     may_be_singular: bool,
     solve: &mut Solve<'_>,
-) -> Result<StudyResult, ConvergeError> {
+) -> Result<StudyResult, StudyError> {
     let start = Instant::now();
     let (mut mesh, mut increments) = (0, 0);
     let mut steps: Vec<Step> = Vec::new();
@@ -186,7 +187,7 @@ pub(super) fn refine(
     let (verdict, reason) = loop {
         match solve(&steps, mesh, increments) {
             Ok(step) => steps.push(step),
-            Err(ConvergeError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
+            Err(StudyError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
             Err(error) => return Err(error),

@@ -1,5 +1,6 @@
 //! The curves of charts.
 
+use stickslip::base::{Quantity, UnitSystem};
 use stickslip_output::{Curve, Dash, Line, curve_style};
 
 /// The lines of curves that have no marker.
@@ -24,7 +25,22 @@ pub(crate) fn grouped(points: impl Iterator<Item = (String, [f64; 2])>) -> Vec<C
     groups.into_iter().enumerate().map(|(k, (label, points))| curve(k, label, points)).collect()
 }
 
-/// Returns a name with its unit, if it has one.
+/// Returns a name with its unit, if it has one: `friction work [J]`.
 pub(crate) fn labelled(name: &str, unit: &str) -> String {
-    if unit.is_empty() { name.to_string() } else { format!("{name}, {unit}") }
+    if unit.is_empty() { name.to_string() } else { format!("{name} [{unit}]") }
+}
+
+/// Returns the key of a value of a scene, or several keys, in words, and the unit if one key tells it:
+/// `material young`, `Pa`.
+pub(crate) fn scene_words(keys: &str, units: &UnitSystem) -> (String, String) {
+    let unit = match keys.rsplit('.').next().unwrap_or_default().split('[').next().unwrap_or_default() {
+        _ if keys.contains(',') => String::new(),
+        "young" | "traction" | "pressure" => units.name(Quantity::Stress),
+        "force" => units.name(Quantity::Force),
+        "moment" => units.name(Quantity::Moment),
+        "gap" | "radius" => units.name(Quantity::Length),
+        "end" => "s".to_string(),
+        _ => String::new(),
+    };
+    (keys.replace(['.', '_'], " "), unit)
 }

@@ -64,6 +64,21 @@ pub(super) fn kind(name: &str) -> Option<Kind> {
     KEYS.iter().find(|(key, _)| key == name).map(|(_, kind)| *kind)
 }
 
+/// The values by which results of several keys are known, the first one that a result has.
+const MAIN: [&str; 5] = ["magnitude", "pressure", "ratio", "friction_work", "length"];
+
+/// Returns the main values of the results of a report whose descriptions have all words of `name`.
+pub(super) fn described(name: &str) -> Vec<String> {
+    let schema = run_schema();
+    let words: Vec<&str> = name.split(['_', '.', ' ']).collect();
+    let main = |key: &&str| {
+        let text = schema["properties"][key]["description"].as_str()?.to_lowercase();
+        let value = MAIN.iter().map(|main| format!("{key}.{main}")).find(|value| kind(value) == Some(Kind::Number))?;
+        words.iter().all(|word| text.contains(word)).then_some(value)
+    };
+    children("").iter().filter_map(main).collect()
+}
+
 /// Returns the keys directly below `name`; those of the report if it is empty.
 pub(super) fn children(name: &str) -> Vec<&'static str> {
     let under = |(key, _): &'static (String, Kind)| {
@@ -128,5 +143,8 @@ mod tests {
         assert_eq!(similar("cycle.friction_wrok")[0], "cycle.friction_work");
         assert_eq!(similar("boundaries.force")[0], "boundaries[].force[]");
         assert!(similar("zzzzzz").is_empty());
+        assert_eq!(described("tangential_force")[0], "holding_force.magnitude");
+        assert_eq!(described("displacement"), ["largest_displacement.length"]);
+        assert!(described("zzzzzz").is_empty());
     }
 }

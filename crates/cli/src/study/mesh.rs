@@ -6,8 +6,7 @@ use std::str::FromStr;
 use serde::de::IntoDeserializer;
 use serde::{Deserialize, Serialize};
 
-use super::distinct;
-use crate::compare::CompareError;
+use super::{StudyError, distinct};
 use stickslip::body::fem::Element;
 use stickslip::body::mesh::{Body, CellKind, HalfPlane, MeshSource, Segment};
 use stickslip::scene::Override;
@@ -135,7 +134,7 @@ impl MeshChoice {
 }
 
 /// Returns each of the `choices` once, or an error if one cannot replace `mesh`.
-pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, CompareError> {
+pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<MeshChoice>, StudyError> {
     let sources: Vec<&MeshSource> = match mesh {
         MeshSource::Bodies(bodies) => bodies.iter().map(|body| &body.mesh).collect(),
         one => vec![one],
@@ -145,13 +144,13 @@ pub(crate) fn each(mesh: &MeshSource, choices: &[MeshChoice]) -> Result<Vec<Mesh
     for choice in choices {
         let cells = choice.elements.is_some_and(|elements| elements.cells.is_some());
         match &choice.size {
-            MeshSize::Elements(_) | MeshSize::Times(_) if fixed => return Err(CompareError::FixedMesh),
-            MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(CompareError::NoMeshFile),
-            _ if cells && !blocks => return Err(CompareError::FixedCells),
+            MeshSize::Elements(_) | MeshSize::Times(_) if fixed => return Err(StudyError::FixedMesh),
+            MeshSize::File(_) if !matches!(mesh, MeshSource::File { .. }) => return Err(StudyError::NoMeshFile),
+            _ if cells && !blocks => return Err(StudyError::FixedCells),
             _ => {}
         }
     }
-    if choices.is_empty() { Err(CompareError::NoMesh) } else { Ok(distinct(choices.to_vec())) }
+    if choices.is_empty() { Err(StudyError::NoMesh) } else { Ok(distinct(choices.to_vec())) }
 }
 
 /// Returns the number of elements in the first direction, or along the contact zone, of the first body. `None` for a

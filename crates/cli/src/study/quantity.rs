@@ -1,7 +1,8 @@
 //! Quantities of a run, by which studies name what they show or refine for.
 //!
 //! ```text
-//! QUANTITY = KEY                              a key of run.json with one value: friction.friction_work, boundaries[0].force[1]
+//! QUANTITY = WORD                             a key result: peak, force, friction_work, stick_ratio
+//!          | KEY                              a key of run.json with one value: cycle.regime, boundaries[0].force[1]
 //!          | size:KEY                         the length of a vector: size:largest_force.force
 //!          | max|min|last:[KIND:]PLACE.COLUMN a column of forces.csv over the increments: max:top.f_x, last:load:top.u_y
 //! ```
@@ -15,10 +16,11 @@ use stickslip::run::report::{column_quantity, key_quantity};
 
 use super::keys::{self, Kind};
 use super::places::{KINDS, Places};
+use super::{distinct, labelled};
 
 /// A result that every study knows by a word.
 pub(crate) struct KeyResult {
-    /// The word of `converge --for`.
+    /// The word.
     pub word: &'static str,
     /// The key of the report.
     pub key: &'static str,
@@ -113,7 +115,8 @@ impl FromStr for TableQuantity {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let text = text.trim().to_string();
+        let known = KEY_RESULTS.iter().find(|result| result.word == text.trim());
+        let text = known.map_or(text.trim(), |result| result.key).to_string();
         let source = match text.split_once(':') {
             None => key(&text)?,
             Some((name, rest)) => match FUNCTIONS.into_iter().find(|function| *function == name) {
@@ -166,14 +169,20 @@ fn found(text: &str) -> Result<(String, String, Kind), String> {
     let mut parents = name.match_indices('.').map(|(at, _)| &name[..at]).rev();
     let parent = parents.find(|part| !keys::children(part).is_empty()).unwrap_or_default();
     let children = keys::children(parent).join(", ");
-    let similar: Vec<String> = keys::similar(&name).into_iter().map(|name| name.replace("[]", "[0]")).collect();
+    let spelt = keys::similar(&name).into_iter().map(|name| name.replace("[]", "[0]"));
+    let similar = distinct(keys::described(&name).into_iter().chain(spelt));
     // All keys of a report are too many if there are similar ones.
     let existing = match (parent, &similar[..]) {
         ("", []) => format!("; its keys are {children}"),
         ("", _) => String::new(),
         _ => format!("; the keys of {parent} are {children}"),
     };
-    Err(format!("`{text}` is no key of a report{}{existing}", meant(&similar)))
+    let words = if parent.is_empty() {
+        format!("none of {}, and is ", KEY_RESULTS.map(|result| result.word).join(", "))
+    } else {
+        String::new()
+    };
+    Err(format!("`{text}` is {words}no key of a report{}{existing}", meant(&similar)))
 }
 
 fn key(text: &str) -> Result<Source, String> {
@@ -233,6 +242,47 @@ impl TableQuantity {
     /// Returns the quantity as it was given.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    fn known(&self) -> Option<&'static KeyResult> {
+        KEY_RESULTS.iter().find(|result| result.key == self.text)
+    }
+
+    /// Returns its word, if it is a key result, otherwise the quantity as it was given.
+    pub(crate) fn word(&self) -> &str {
+        self.known().map_or(&self.text, |result| result.word)
+    }
+
+    /// Returns its name in sentences.
+    pub(crate) fn name(&self) -> String {
+        self.known().map_or_else(|| self.label(), |result| result.name.to_string())
+    }
+
+    /// Returns its name for people: `friction work`, `time of largest pressure`, `max f_x of support left`.
+    pub fn label(&self) -> String {
+        if let Some(known) = self.known() {
+            return known.head.to_string();
+        }
+        match &self.source {
+            Source::Key { .. } => in_words(&self.text),
+            Source::Column { function, column: (name, ..), .. } => {
+                let place = self.text.trim_start_matches(&format!("{function}:"));
+                let place = place.strip_suffix(&format!(".{name}")).unwrap_or(place);
+                let kind = KINDS.iter().find_map(|kind| Some((kind, place.strip_prefix(&format!("{kind}:"))?)));
+                let place = kind.map_or(place.to_string(), |(kind, place)| format!("{kind} {place}"));
+                format!("{function} {name} of {place}")
+            }
+        }
+    }
+
+    /// Returns its name for people with its unit.
+    pub(crate) fn head(&self, units: UnitSystem) -> String {
+        labelled(&self.label(), &self.unit(&self.units_for_people(units)))
+    }
+
+    /// Returns the units for tables and charts: in SI, MPa for pressures.
+    pub(crate) fn units_for_people(&self, units: UnitSystem) -> UnitSystem {
+        if self.quantity() == Quantity::Stress { units.of_pictures() } else { units }
     }
 
     /// Returns the kind of its unit.
@@ -338,6 +388,24 @@ impl TableQuantity {
                 .into()
             }
         }
+    }
+}
+
+/// Returns a key in words: of a value and what it belongs to, the value first, where this does not name it already.
+fn in_words(key: &str) -> String {
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    let with_axis = |child: &str| {
+        axes.clone().fold(child.to_string(), |child, (k, axis)| child.replace(&format!("[{k}]"), &format!(" {axis}")))
+    };
+    let spelt = |part: &str| part.replace(['_', '.'], " ");
+    let (parent, child) = key.trim_start_matches("size:").rsplit_once('.').unwrap_or(("", key));
+    let (parent, child) = (spelt(parent), spelt(&with_axis(child)));
+    let last = |words: &str| words.rsplit(' ').next().unwrap_or_default().to_string();
+    match &*parent {
+        "" | "totals" => child,
+        _ if child == "magnitude" => parent,
+        _ if last(&parent) == last(&child) || child.starts_with(&parent) => child,
+        _ => format!("{child} of {parent}"),
     }
 }
 
@@ -486,7 +554,8 @@ mod tests {
     #[test]
     fn what_is_no_quantity_is_told_with_what_exists() {
         for (text, words) in [
-            ("friction_work", "did you mean cycle.friction_work or friction.friction_work or "),
+            ("frictionwork", "did you mean friction.friction_work or cycle.friction_work or "),
+            ("tangential_force", "did you mean holding_force.magnitude or "),
             ("friction.work", "the keys of friction are friction_work, time_error"),
             ("largest_presure.pressure", "did you mean largest_pressure.pressure or largest_pressure.mean_pressure?"),
             ("boundaries.force[0]", "did you mean boundaries[0].force[0]"),
@@ -515,6 +584,28 @@ mod tests {
         }
         let word: TableQuantity = "cycle.regime".parse().unwrap();
         assert!(word.at(&places(), true).unwrap_err().contains("cannot be drawn"));
+    }
+
+    #[test]
+    fn quantities_have_names() {
+        for (text, label) in [
+            ("peak", "pressure"),
+            ("friction.friction_work", "friction work"),
+            ("holding_force.magnitude", "holding force"),
+            ("size:largest_force.force", "force"),
+            ("largest_pressure.mean_pressure", "mean pressure"),
+            ("largest_pressure.position[1]", "position y of largest pressure"),
+            ("boundaries[0].force[0]", "force x of boundaries[0]"),
+            ("totals.cpu_seconds", "cpu seconds"),
+            ("status", "status"),
+            ("max:bottom.f_x", "max f_x of bottom"),
+            ("last:support:a+b.sum_p_n", "last sum_p_n of support a+b"),
+        ] {
+            assert_eq!(text.parse::<TableQuantity>().unwrap().label(), label, "{text}");
+        }
+        let heads =
+            ["max:bottom.f_x", "peak"].map(|text| text.parse::<TableQuantity>().unwrap().head(UnitSystem::si(2)));
+        assert_eq!(heads, ["max f_x of bottom [N/m]", "pressure [MPa]"]);
     }
 
     #[test]

@@ -17,6 +17,8 @@ pub struct VariantResult {
     /// The values for tables, an object: `status`, `reason`, `converged`, `iterations`, `seconds`, `error`,
     /// `largest_pressure`, `warnings`, `boundaries`, and the `quantities` of table and chart, as far as the run has them.
     pub values: Value,
+    /// The kind and the message of each warning.
+    pub warnings: Vec<(String, String)>,
 }
 
 impl VariantResult {
@@ -44,6 +46,9 @@ impl VariantResult {
         // `None` if one of the errors is no number.
         let errors = laws.and_then(|laws| laws.values().map(Value::as_f64).collect::<Option<Vec<f64>>>());
         let list = |key: &str| report[key].as_array().map_or(&[][..], Vec::as_slice);
+        let words = |warning: &Value, key: &str| warning[key].as_str().unwrap_or_default().to_string();
+        let warnings = list("warnings").iter().map(|warning| (words(warning, "kind"), words(warning, "message")));
+        let warnings: Vec<_> = warnings.collect();
         let values = quantities.iter().map(|quantity| (quantity.text().to_string(), quantity.of(report)));
         let values = json!({
             "status": status,
@@ -53,21 +58,16 @@ impl VariantResult {
             "seconds": totals["wall_seconds"],
             "error": errors.and_then(|all| all.into_iter().reduce(f64::max)),
             "largest_pressure": report["largest_pressure"],
-            "warnings": list("warnings").iter().map(|warning| &warning["kind"]).collect::<Vec<_>>(),
+            "warnings": warnings.iter().map(|(kind, _)| kind).collect::<Vec<_>>(),
             "boundaries": list("boundaries"),
             "quantities": values.collect::<Map<_, _>>(),
         });
-        VariantResult { status: status.to_string(), scene_text: text("scene_text").map(String::from), values }
+        VariantResult { status: status.to_string(), scene_text: text("scene_text").map(String::from), values, warnings }
     }
 
     /// Returns the value of a quantity.
     pub fn value(&self, quantity: &TableQuantity) -> &Value {
         &self.values["quantities"][quantity.text()]
-    }
-
-    /// Returns the kinds of the warnings of the run.
-    pub fn warnings(&self) -> impl Iterator<Item = &str> {
-        self.values["warnings"].as_array().into_iter().flatten().filter_map(Value::as_str)
     }
 
     /// Returns the resultants on the obstacles at the end of the last converged increment.

@@ -15,7 +15,8 @@ impl Sweep {
         let curves: Vec<_> = chart.panels.iter().flat_map(|panel| &panel.curves).map(curve).collect();
         let data = json!({ "titles": [&chart.x.label, &chart.y.label], "curves": curves }).to_string();
         let rows: String = self.variants.iter().map(|row| self.row(row)).collect();
-        let notes = enclosed(&self.notes(), "<li>", "</li>");
+        let notes: Vec<String> = self.notes().iter().map(|(label, note)| format!("{label}: {note}")).collect();
+        let notes = enclosed(&notes, "<li>", "</li>");
         let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
         let verdict = format!("{} variants, {converged} converged", self.variants.len());
         let class = if converged == self.variants.len() { "good" } else { "bad" };

@@ -1,7 +1,7 @@
 //! Charts of a sweep: a quantity, usually the largest contact pressure, over the key that varies first.
 
-use super::table::{Row, Sweep};
-use crate::study::{TableQuantity, grouped};
+use super::table::{PEAK, Row, Sweep};
+use crate::study::{TableQuantity, grouped, scene_words};
 use serde_json::Value;
 use stickslip_output::{Axis, Chart, Marker, Panel, Scale};
 
@@ -13,21 +13,26 @@ impl Sweep {
     /// nothing touches. The abscissa is the first key whose values are all numbers, with a curve for each combination of
     /// the other keys. Without such a key, it is the position in the list of the first key's values.
     pub fn chart(&self) -> Chart {
-        let is_number = |value: &String| value.parse().is_ok_and(f64::is_finite);
-        let numeric = self.varied.iter().position(|variation| variation.values.iter().all(is_number));
+        // A list of one number is a number.
+        let number = |value: &String| {
+            let inside = value.strip_prefix('[').and_then(|rest| rest.strip_suffix(']'));
+            inside.unwrap_or(value).trim().parse().ok().filter(|x: &f64| x.is_finite())
+        };
+        let numeric =
+            self.varied.iter().position(|variation| variation.values.iter().all(|value| number(value).is_some()));
         let along = numeric.unwrap_or(0);
-        let key = self.varied.get(along).map_or("", |variation| &variation.key);
+        let key = self.varied.get(along).map_or(String::new(), |variation| self.label(&variation.key));
         let x = match numeric {
-            Some(_) => Axis { label: key.to_string(), scale: Scale::Linear },
+            Some(_) => Axis { label: key, scale: Scale::Linear },
             None => Axis { label: format!("{key}, by the place in the list"), scale: Scale::Integers },
         };
         let in_list = |value: &String| self.varied.get(along)?.values.iter().position(|other| other == value);
         let position = |row: &Row| {
             let value = row.values.get(along)?;
-            if numeric.is_some() { value.parse().ok() } else { Some((in_list(value)? + 1) as f64) }
+            if numeric.is_some() { number(value) } else { Some((in_list(value)? + 1) as f64) }
         };
         let pressed = self.variants.iter().any(|row| !row.outcome.values["largest_pressure"].is_null());
-        let pressure: Option<TableQuantity> = "largest_pressure.pressure".parse().ok().filter(|_| pressed);
+        let pressure: Option<TableQuantity> = PEAK.parse().ok().filter(|_| pressed);
         let height = |row: &Row| match (&self.plotted, &pressure, &row.outcome.values["largest_pressure"]) {
             (Some(quantity), _, _) => self.in_pictures(quantity, row.outcome.value(quantity)),
             (None, Some(_), Value::Null) => Some(0.0),
@@ -35,14 +40,17 @@ impl Sweep {
             (None, None, _) => row.outcome.values["iterations"].as_f64(),
         };
         let label = match (&self.plotted, &pressure) {
-            (Some(quantity), _) => self.label(quantity),
-            (None, Some(quantity)) => format!("largest contact {}", self.label(quantity)),
+            (Some(quantity), _) => quantity.head(self.units),
+            (None, Some(quantity)) => format!("largest contact {}", quantity.head(self.units)),
             (None, None) => "iterations".to_string(),
         };
         let converged: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.is_converged()).collect();
         let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
-            let of = others.map(|(_, (variation, value))| format!("{} = {value}", variation.key));
+            let of = others.map(|(_, (variation, value))| {
+                let (words, unit) = scene_words(&variation.key, &self.units);
+                format!("{words} = {value} {unit}").trim_end().to_string()
+            });
             Some((of.collect::<Vec<_>>().join(", "), [position(row)?, height(row)?]))
         };
         let mut curves = grouped(converged.iter().filter_map(point));

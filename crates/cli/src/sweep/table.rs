@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{SCHEMA_VERSION, UnitNames};
 use stickslip::scene::Scene;
-use stickslip_output::Table;
+use stickslip_output::{Table, paragraph};
 
 use super::outcome::VariantResult;
 use super::variation::Variation;
-use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number};
+use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number, scene_words};
 
 /// All variants of a scene with their results.
 #[derive(Debug, Clone, PartialEq)]
@@ -61,6 +61,12 @@ impl TableQuantities {
 
 /// The columns of the force on an obstacle, and of its sums over the nodes.
 const COMPONENTS: [[&str; 2]; 3] = [["f_x", "sum_p_n"], ["f_y", "sum_p_t"], ["f_z", "sum_p_o"]];
+
+/// The key of the column `largest_pressure`.
+pub(super) const PEAK: &str = "largest_pressure.pressure";
+
+/// The letters of the kinds of warnings.
+const LETTERS: &str = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
 /// The digits of numbers in the text.
 const DIGITS: usize = 6;
@@ -147,94 +153,100 @@ impl Sweep {
                 record.extend(columns().map(force));
                 record.extend(columns().map(|(_, [_, sum])| (format!("{name}.{sum}"), on[*sum].clone())));
             }
-            let warnings = outcome.warnings().collect::<Vec<_>>().join(" ");
+            let warnings = outcome.warnings.iter().map(|(kind, _)| kind.as_str()).collect::<Vec<_>>().join(" ");
             record.extend([of("error"), ("warnings".to_string(), warnings.into())]);
             record.extend([("results".to_string(), json!(results)), of("reason")]);
-            let shown =
-                self.shown.iter().map(|quantity| (quantity.text().to_string(), outcome.value(quantity).clone()));
-            record.extend(shown);
+            // The largest pressure has its column already.
+            let shown = self.shown.iter().filter(|quantity| quantity.text() != PEAK);
+            record.extend(shown.map(|quantity| (quantity.text().to_string(), outcome.value(quantity).clone())));
             record
         };
         csv(&self.variants.iter().map(record).collect::<Vec<_>>(), number)
     }
 
-    /// Formats the table as text, pressures in MPa in place of Pa, followed by the reasons why variants ended early.
+    /// Formats the table as text, pressures in MPa in place of Pa, followed by the notes.
     pub fn to_text(&self) -> String {
         let heads = self.heads();
-        let heads: Vec<&str> = heads.iter().map(String::as_str).collect();
-        let mut table = Table::new(&heads);
+        let mut table = Table::new(&heads.iter().map(String::as_str).collect::<Vec<_>>()).named_by(self.varied.len());
         self.variants.iter().for_each(|row| table.push(self.cells(row)));
-        let notes = self.notes();
-        if notes.is_empty() { table.to_string() } else { format!("{table}\n{}\n", notes.join("\n")) }
+        let notes: String = self.notes().iter().map(|(label, note)| paragraph(label, note)).collect();
+        if notes.is_empty() { table.to_string() } else { format!("{table}\n{notes}") }
+    }
+
+    /// Returns a varied key in words, with its unit.
+    pub(super) fn label(&self, key: &str) -> String {
+        let (words, unit) = scene_words(key, &self.units);
+        labelled(&words, &unit)
     }
 
     /// Returns the heads of the table for people.
     pub(super) fn heads(&self) -> Vec<String> {
-        let varied = self.varied.iter().map(|variation| variation.key.clone());
-        let shown = self.shown.iter().map(|quantity| self.label(quantity));
+        let varied = self.varied.iter().map(|variation| self.label(&variation.key));
+        let shown = self.shown.iter().map(|quantity| quantity.head(self.units));
         let run = ["verdict", "inc"].map(String::from);
         varied.chain(run).chain(shown).chain(["warnings".to_string()]).collect()
     }
 
-    /// Returns the cells of a variant for people; a dash for a value that it does not have.
+    /// Returns the cells of a variant for people; a dash for a value that it does not have, and a letter for each kind
+    /// of warning.
     pub(super) fn cells(&self, row: &Row) -> Vec<String> {
         let Row { values, outcome, .. } = row;
         let shown = self.shown.iter().map(|quantity| match outcome.value(quantity) {
             Value::Null => "-".to_string(),
             Value::String(text) => text.clone(),
-            value => self
-                .in_pictures(quantity, value)
-                .map_or_else(|| value.to_string(), |x| self.units.rounded(Quantity::Number, x, DIGITS)),
+            value => match self.in_pictures(quantity, value).filter(|_| value.is_f64()) {
+                Some(x) => self.units.rounded(Quantity::Number, x, DIGITS),
+                None => value.to_string(),
+            },
         });
-        let warnings = match outcome.warnings().count() {
-            0 => "-".to_string(),
-            count => count.to_string(),
-        };
+        let has = |kind: &str| outcome.warnings.iter().any(|(other, _)| other == kind);
+        let letters = self.warned().into_iter().zip(LETTERS.chars()).filter(|((kind, _), _)| has(kind));
+        let warnings: String = letters.map(|(_, letter)| letter).collect();
         let run = [outcome.status.clone(), outcome.values["converged"].to_string()];
+        let warnings = if warnings.is_empty() { "-".to_string() } else { warnings };
         values.iter().cloned().chain(run).chain(shown).chain([warnings]).collect()
     }
 
-    /// Returns the reasons why variants ended early, the kinds of the warnings, and the quantities that no variant has.
-    pub(super) fn notes(&self) -> Vec<String> {
+    /// Returns each kind of warning with its first message in each variant that has it.
+    fn warned(&self) -> BTreeMap<&str, Vec<&str>> {
+        let mut warned: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+        for row in &self.variants {
+            let first: BTreeMap<&str, &str> =
+                row.outcome.warnings.iter().rev().map(|(kind, message)| (&**kind, &**message)).collect();
+            for (kind, message) in first {
+                warned.entry(kind).or_default().push(message);
+            }
+        }
+        warned
+    }
+
+    /// Returns, each with a label, the reasons why variants ended early, the first warning of each kind with its cure,
+    /// and the quantities that no variant has.
+    pub(super) fn notes(&self) -> Vec<(String, String)> {
         let name = |row: &Row| {
             let pairs = self.varied.iter().zip(&row.values).map(|(varied, value)| format!("{}={value}", varied.key));
             pairs.collect::<Vec<_>>().join(", ")
         };
         let early = self.variants.iter().filter(|row| !row.outcome.reason().is_empty());
-        let mut notes: Vec<String> = early.map(|row| format!("{}: {}", name(row), row.outcome.reason())).collect();
-        let mut warned: BTreeMap<&str, usize> = BTreeMap::new();
-        for kind in self.variants.iter().flat_map(|row| row.outcome.warnings()) {
-            *warned.entry(kind).or_default() += 1;
-        }
-        notes.extend(
-            warned
-                .iter()
-                .map(|(kind, count)| format!("warning      {kind}: {count} of {} variants", self.variants.len())),
-        );
+        let early = early.map(|row| ("ended early".to_string(), format!("{}: {}", name(row), row.outcome.reason())));
+        let warned = self.warned().into_iter().zip(LETTERS.chars()).map(|((kind, messages), letter)| {
+            let of = format!("{} of {} variants", messages.len(), self.variants.len());
+            (format!("warning {letter}"), format!("{kind}, {of}, in the first: {}", messages[0]))
+        });
         let reported: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.scene_text.is_some()).collect();
         let is_missing = |quantity: &&TableQuantity| {
             !reported.is_empty() && reported.iter().all(|row| row.outcome.value(quantity).is_null())
         };
         let missing = self.shown.iter().filter(is_missing);
-        notes.extend(missing.map(|quantity| format!("{}: no variant has a value", quantity.text())));
-        notes
-    }
-
-    /// Returns the name of a quantity for people, with its unit in the text table.
-    pub(super) fn label(&self, quantity: &TableQuantity) -> String {
-        let named = KEY_RESULTS.iter().find(|result| result.key == quantity.text());
-        labelled(named.map_or(quantity.text(), |result| result.head), &quantity.unit(&self.units_of(quantity)))
-    }
-
-    /// Returns the units of a quantity in the text table: in SI, MPa for pressures.
-    fn units_of(&self, quantity: &TableQuantity) -> UnitSystem {
-        if quantity.quantity() == Quantity::Stress { self.units.of_pictures() } else { self.units }
+        let missing =
+            missing.map(|quantity| ("no value".to_string(), format!("{}: no variant has a value", quantity.text())));
+        early.chain(warned).chain(missing).collect()
     }
 
     /// Returns the value of a quantity in its unit in the text table; `None` if it is no number.
     pub(super) fn in_pictures(&self, quantity: &TableQuantity, value: &Value) -> Option<f64> {
         let (value, of) = (value.as_f64()?, quantity.quantity());
-        let units = self.units_of(quantity);
+        let units = quantity.units_for_people(self.units);
         Some(if of == Quantity::Stress { units.of_si(of, self.units.to_si(of, value)) } else { value })
     }
 }

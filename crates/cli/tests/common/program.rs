@@ -69,6 +69,11 @@ pub fn stickslip(args: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_stickslip")).args(args).output().unwrap()
 }
 
+/// Returns what a command printed with a blank for each break of a line.
+pub fn flat(output: &Output) -> String {
+    stdout(output).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Sends a signal, such as `INT`, by the shell, because the smallest Debian has no program `kill`.
 pub fn send(signal: &str, process: u32) {
     assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {process}")]).status().unwrap().success());

@@ -176,7 +176,7 @@ fn time_stepping_is_of_first_order_on_every_path() {
     let paths = vec![BN, ip, CONDENSED];
     let plan = Plan { paths, meshes: elements(&[20, 10]), increments: vec![20, 320, 80], reference: 8, jobs: 1 };
     let mut messages = Vec::new();
-    let comparison = compare::compute(&scene, &plan, &(), &mut |what| messages.push(what)).unwrap();
+    let comparison = compare::compute(&scene, &plan, &(), &mut |what| messages.push(what), || false).unwrap();
     assert_eq!(messages.len(), plan.histories());
     assert_eq!(comparison.runs.len(), plan.histories() - 2);
     assert!(comparison.runs.iter().all(|run| run.course.status == Status::Converged && run.course.kkt <= 1e-10));
@@ -218,7 +218,7 @@ fn in_three_dimensions_both_tangents_count() {
         scene(["mesh.elements=[6,6,6]", "mesh.size=[1,1,1]"]),
         scene(["mesh.elements=[16,16,4]", "mesh.size=[1,1,0.25]"]),
     ] {
-        let comparison = compare::compute(&scene, &plan, &(), &mut |_| ()).unwrap();
+        let comparison = compare::compute(&scene, &plan, &(), &mut |_| (), || false).unwrap();
         assert!(comparison.runs.iter().all(|run| run.course.status == Status::Converged && run.course.kkt <= 1e-10));
         // The clamped row of nodes is not in contact.
         let contacts: Vec<_> = comparison.meshes.iter().map(|result| result.contacts).collect();

@@ -24,7 +24,7 @@ fn elements_are_compared_with_their_estimates() {
     let choice = |elements, n| MeshChoice { size: MeshSize::Elements(n), elements };
     let meshes = kinds.iter().flat_map(|kind| [10, 20].map(|n| choice(*kind, n))).collect();
     let plan = Plan { paths: vec![CONDENSED], meshes, increments: vec![1], reference: 2, jobs: 1 };
-    let comparison = compare::compute(&scene, &plan, &(), &mut |_| ()).unwrap();
+    let comparison = compare::compute(&scene, &plan, &(), &mut |_| (), || false).unwrap();
     assert_eq!(comparison.elements().len(), 3);
     assert_eq!(comparison.meshes.last().unwrap().mesh, choice(kinds[2], 20));
     for kind in kinds {

@@ -7,7 +7,8 @@ use std::fs;
 
 use stickslip::scene::Scene;
 use stickslip::solver::history::{LinearAlgebra, Method};
-use stickslip_cli::compare::{self, CompareError, MeshChoice, MeshSize, Plan, SolverPath};
+use stickslip_cli::compare::{self, MeshChoice, MeshSize, Plan, SolverPath};
+use stickslip_cli::study::StudyError;
 
 use crate::program::{Folder, assert_exit, small, stderr, stdout, stickslip};
 
@@ -63,12 +64,12 @@ fn meshes_from_files_go_by_their_names() {
     let path = SolverPath { method: Method::BN.into(), linear: LinearAlgebra::default() };
     let own = Plan { increments: vec![1, 2], ..Plan::modest(&scene, vec![path]) };
     assert_eq!((&own.meshes[..], own.histories()), (&[MeshSize::Own.into()][..], 3));
-    let comparison = compare::compute(&scene, &own, &(), &mut |_| {}).unwrap();
+    let comparison = compare::compute(&scene, &own, &(), &mut |_| {}, || false).unwrap();
     assert!(comparison.answers()[0].contains("to 1e-3, the scene's mesh:"), "{:?}", comparison.answers());
 
     let files = ["16.msh", "4.msh", "8.msh", "4.msh"].map(|name| MeshSize::File(name.to_string()).into());
     let plan = Plan { meshes: files.to_vec(), ..own.clone() };
-    let comparison = compare::compute(&scene, &plan, &(), &mut |_| {}).unwrap();
+    let comparison = compare::compute(&scene, &plan, &(), &mut |_| {}, || false).unwrap();
     let sizes: Vec<(String, usize)> =
         comparison.meshes.iter().map(|result| (result.mesh.to_string(), result.contacts)).collect();
     assert_eq!(sizes, [("4.msh", 5), ("8.msh", 9), ("16.msh", 17)].map(|(name, n)| (name.to_string(), n)));
@@ -79,15 +80,15 @@ fn meshes_from_files_go_by_their_names() {
     assert_eq!(runs, ["4.msh", "4.msh", "8.msh", "8.msh", "16.msh", "16.msh"]);
 
     let none = Plan { meshes: Vec::new(), ..own.clone() };
-    assert!(matches!(compare::compute(&scene, &none, &(), &mut |_| {}), Err(CompareError::NoMesh)));
+    assert!(matches!(compare::compute(&scene, &none, &(), &mut |_| {}, || false), Err(StudyError::NoMesh)));
     let numbers = Plan { meshes: vec![MeshSize::Elements(4).into()], ..own };
-    assert!(matches!(compare::compute(&scene, &numbers, &(), &mut |_| {}), Err(CompareError::FixedMesh)));
+    assert!(matches!(compare::compute(&scene, &numbers, &(), &mut |_| {}, || false), Err(StudyError::FixedMesh)));
     let cells = MeshChoice { size: MeshSize::Own, elements: Some("triangle".parse().unwrap()) };
     let cells = Plan { meshes: vec![cells], ..numbers.clone() };
-    assert!(matches!(compare::compute(&scene, &cells, &(), &mut |_| {}), Err(CompareError::FixedCells)));
+    assert!(matches!(compare::compute(&scene, &cells, &(), &mut |_| {}, || false), Err(StudyError::FixedCells)));
     let made = Scene::parse("scene.toml", &small(), &[]).unwrap();
     let named = Plan { meshes: files.to_vec(), ..numbers };
-    assert!(matches!(compare::compute(&made, &named, &(), &mut |_| {}), Err(CompareError::NoMeshFile)));
+    assert!(matches!(compare::compute(&made, &named, &(), &mut |_| {}, || false), Err(StudyError::NoMeshFile)));
 
     let out = folder.join("out");
     let output =

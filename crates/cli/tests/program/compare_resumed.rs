@@ -45,7 +45,7 @@ fn compared(text: &str, meshes: &[usize], increments: &[usize], cells: &Kept) ->
         reference: 4,
         jobs: 2,
     };
-    compare::compute(&scene, &plan, cells, &mut |_| ()).unwrap()
+    compare::compute(&scene, &plan, cells, &mut |_| (), || false).unwrap()
 }
 
 #[test]
@@ -87,29 +87,46 @@ mod program {
     use std::thread::sleep;
     use std::time::{Duration, Instant};
 
-    use crate::program::{Folder, assert_exit, stderr};
+    use crate::program::{Folder, assert_exit, send, stderr, stdout};
 
     /// A comparison killed after some histories is resumed with the others. A changed scene is computed anew.
     #[test]
     fn a_comparison_that_is_killed_goes_on() {
+        ended_by("KILL");
+    }
+
+    /// A comparison that is stopped shows what is complete.
+    #[test]
+    fn a_comparison_that_is_stopped_shows_what_is_there() {
+        ended_by("INT");
+    }
+
+    fn ended_by(signal: &str) {
         let (folder, scene) = Folder::with_scene(include_str!("../../../../data/scenes/block.toml"));
         let out = folder.0.join("out");
         let command = |more: &[&str]| {
             let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
             command.args(["compare", &scene, "--meshes", "4,16", "--increments", "2,8,40", "--jobs", "1"]);
             command.args(["--solvers", "faer"]).args(more).arg("--out").arg(&out);
-            command.stdout(Stdio::null()).stderr(Stdio::piped());
+            command.stdout(Stdio::piped()).stderr(Stdio::piped());
             command
         };
         let kept = || fs::read_dir(out.join(".cells")).map_or(0, Iterator::count);
-        let mut child = command(&[]).spawn().unwrap();
+        let child = command(&[]).spawn().unwrap();
         let begun = Instant::now();
         while kept() < 4 && begun.elapsed() < Duration::from_secs(60) {
             sleep(Duration::from_millis(2));
         }
-        child.kill().unwrap();
-        child.wait().unwrap();
+        send(signal, child.id());
+        let output = child.wait_with_output().unwrap();
         let left = kept();
+        if signal == "INT" {
+            assert_exit(&output, 1);
+            let last = format!("interrupted  {left} of 14 histories are complete; repeat the command with --resume");
+            assert!(stdout(&output).contains(&last), "{}", stdout(&output));
+            let runs = fs::read_to_string(out.join("compare.csv")).unwrap();
+            assert_eq!(runs.lines().count() + 1, left, "{runs}");
+        }
         assert!((4..2 + 2 * 2 * 3).contains(&left), "{left}");
         let output = command(&["--resume"]).output().unwrap();
         assert_exit(&output, 0);

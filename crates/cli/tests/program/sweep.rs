@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
-use crate::program::{Folder, assert_exit, children, csv, json, number, send, small, stderr, stdout, stickslip};
+use crate::program::{Folder, assert_exit, children, csv, flat, json, number, send, small, stderr, stdout, stickslip};
 
 /// Returns the names of the complete and of the incomplete results.
 fn results(folder: &Folder) -> (BTreeSet<String>, Vec<String>) {
@@ -68,9 +68,10 @@ fn every_combination_is_a_row_and_a_folder() {
         header.starts_with("contact.friction,time.increments,status,converged,iterations,seconds,largest_pressure,")
     );
     assert!(header.contains(",bottom.f_x,bottom.f_y,bottom.sum_p_n,bottom.sum_p_t,error,warnings,results,reason"));
+    assert_eq!(header.matches("largest_pressure").count(), 1, "{header}");
     assert_eq!(lines.len(), 6);
     let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
-    for text in ["contact.friction", "time.increments = 2", "largest contact pressure, MPa", "6 variants"] {
+    for text in ["contact friction", "time increments = 2", "largest contact pressure [MPa]", "6 variants"] {
         assert!(svg.lines().any(|line| line == text), "{text}");
     }
 }
@@ -119,16 +120,16 @@ fn any_quantity_of_a_report_is_shown() {
         assert_eq!(line[line.len() - 1].parse(), Ok(least));
     }
     let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
-    for text in ["min:support:left.f_x, N/m", "time.increments = 2", "time.increments = 4", "contact.friction"] {
+    for text in ["min f_x of support left [N/m]", "time increments = 2", "time increments = 4", "contact friction"] {
         assert!(svg.lines().any(|line| line == text), "{text}");
     }
     // The page holds table and chart, and leads to the reports of the variants.
     let page = fs::read_to_string(folder.0.join("out/sweep.html")).unwrap();
-    assert!(page.contains("last:top.u_y, m") && page.contains(">4 variants, 4 converged<"));
+    assert!(page.contains("last u_y of top [m]") && page.contains(">4 variants, 4 converged<"));
     let data = page.split("type=\"application/json\">").nth(1).unwrap().split("</script>").next().unwrap();
     let chart: Value = serde_json::from_str(data).unwrap();
-    assert_eq!(chart["titles"], serde_json::json!(["contact.friction", "min:support:left.f_x, N/m"]));
-    assert_eq!(chart["curves"][1]["name"], "time.increments = 4");
+    assert_eq!(chart["titles"], serde_json::json!(["contact friction", "min f_x of support left [N/m]"]));
+    assert_eq!(chart["curves"][1]["name"], "time increments = 4");
     assert_eq!(chart["curves"][1]["points"].as_array().unwrap().len(), 2);
     let links: Vec<&str> =
         page.split("href=\"").filter_map(|rest| rest.split('"').next()).filter(|link| link.contains('/')).collect();
@@ -145,7 +146,7 @@ fn key_results_are_shown() {
     let heads = |friction: &str| {
         let output = stickslip(&["sweep", &scene, "--vary", friction]);
         let heads = stdout(&output).split("\n-").next().unwrap().to_string();
-        assert!(heads.contains("pressure,") && heads.contains("force,") && heads.contains("MPa"), "{heads}");
+        assert!(heads.contains("pressure") && heads.contains("force") && heads.contains("[MPa]"), "{heads}");
         assert!(heads.lines().all(|line| line.len() <= 100), "{heads}");
         heads
     };
@@ -158,12 +159,37 @@ fn key_results_are_shown() {
     drop(folder);
 }
 
+/// A table of many quantities fits a screen, names its quantities with their units, and has a letter for each kind of
+/// warning, whose cure stands below once.
+#[test]
+fn a_wide_sweep_fits_a_screen() {
+    let (folder, scene) = Folder::with_scene(&small());
+    let asked = "peak,largest_pressure.mean_pressure,largest_pressure.position[0],boundaries[0].force[1],friction_work,\
+                 holding_force.magnitude,holding_force.time_error,max:contact:bottom.sum_p_n,min:support:left.f_x,\
+                 last:load:top.u_y,totals.cpu_seconds,stick_ratio";
+    let vary = ["--vary", "contact.friction=0.2,0.4", "--vary", "load[1].traction=[1e3,0],[2e3,0]"];
+    let output = stickslip(&[&["sweep", &scene, "--table", asked], &vary[..]].concat());
+    assert_exit(&output, 0);
+    let text = stdout(&output);
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    let named = |line: &&str| line.split_whitespace().take(2).eq(["0.4", "[2e3,0]"]);
+    assert!(text.lines().filter(named).count() > 1, "{text}");
+    for word in ["[MPa]", "[N/m]", "[J/m]", "[m]", "[s]", "[Pa]"] {
+        assert!(text.contains(word) && !text.contains("largest_pressure"), "{word} {text}");
+    }
+    let flat = flat(&output);
+    assert!(flat.contains("warning a contact-unresolved, 4 of 4 variants, in the first: "), "{text}");
+    assert_eq!(flat.matches("contact-unresolved").count(), 1, "{text}");
+    drop(folder);
+}
+
 #[test]
 fn bad_quantities_are_told_before_anything_runs() {
     let (folder, scene) = Folder::with_scene(&small());
     let vary = ["--vary", "contact.friction=0.2,0.4", "--out", &folder.join("out")].map(String::from);
     for (option, quantity, words) in [
-        ("--table", "friction_work", "did you mean cycle.friction_work or friction.friction_work"),
+        ("--table", "frictionwork", "did you mean friction.friction_work or cycle.friction_work"),
+        ("--plot", "tangential_force", "did you mean holding_force.magnitude"),
         ("--table", "friction.work", "the keys of friction are friction_work, time_error"),
         ("--table", "status,max:botom.f_x", "did you mean bottom?"),
         ("--table", "largest_force.force", "size:largest_force.force"),
@@ -314,8 +340,8 @@ fn failures_are_rows() {
         table["variants"].as_array().unwrap().iter().map(|row| row["status"].as_str().unwrap()).collect();
     assert_eq!(statuses[1..], ["converged", "bad-input", "bad-input"]);
     assert_ne!(statuses[0], "converged");
-    assert!(stdout(&output).contains("the mesh has no boundary `nowhere`; the mesh has the boundaries"));
-    assert!(stdout(&output).contains("support.boundary=left, solver.tolerance=1e-30: increment 1"));
+    assert!(flat(&output).contains("the mesh has no boundary `nowhere`; the mesh has the boundaries"));
+    assert!(flat(&output).contains("support.boundary=left, solver.tolerance=1e-30: increment 1"));
     // A verdict is kept, whatever it is. A scene that cannot be discretised has none.
     assert_eq!(results(&folder).0.len(), 2);
     let again = stickslip(&arguments);

@@ -125,7 +125,7 @@ fn a_comparison_does_not_depend_on_how_many_run_at_a_time() {
     let meshes = [6, 2, 4].map(|n| MeshSize::Elements(n).into()).to_vec();
     let at_a_time = |jobs| {
         let plan = Plan { paths: paths.to_vec(), meshes: meshes.clone(), increments: vec![4, 2], reference: 2, jobs };
-        let comparison = compare::compute(&scene, &plan, &(), &mut |_| ()).unwrap();
+        let comparison = compare::compute(&scene, &plan, &(), &mut |_| (), || false).unwrap();
         assert!(comparison.runs.iter().all(|run| run.course.seconds.cpu > 0.0));
         untimed(comparison)
     };

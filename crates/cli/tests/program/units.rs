@@ -307,12 +307,14 @@ fn sweeps_are_told_in_the_units_of_the_scene() {
         let json: Value = serde_json::from_str(&fs::read_to_string(folder.join("out/sweep.json")).unwrap()).unwrap();
         (page, json, csv(&folder.0.join("out/sweep.csv")), fs::read_to_string(folder.join("out/sweep.svg")).unwrap())
     });
-    assert!(si.0.contains("pressure, MPa") && si.0.contains("max:bottom.f_x, N/m<") && si.1.get("units").is_none());
-    for head in ["pressure, MPa<", "max:bottom.f_x, N/mm<", "last:top.u_y, mm<", "friction work, mJ/mm<"] {
+    assert!(
+        si.0.contains("pressure [MPa]") && si.0.contains("max f_x of bottom [N/m]<") && si.1.get("units").is_none()
+    );
+    for head in ["pressure [MPa]<", "max f_x of bottom [N/mm]<", "last u_y of top [mm]<", "friction work [mJ/mm]<"] {
         assert!(mm.0.contains(head), "{head}: {}", mm.0);
     }
     assert_eq!(mm.1["units"]["force"]["name"], "N/mm");
-    assert!(si.3.contains("largest contact pressure, MPa") && mm.3.contains("largest contact pressure, MPa"));
+    assert!([si.3, mm.3].iter().all(|svg| svg.contains("largest contact pressure [MPa]")));
     for (k, name) in si.2.0.split(',').enumerate() {
         let unit = match name {
             "largest_pressure" | "largest_pressure.pressure" => "Pa",
@@ -343,7 +345,7 @@ fn comparisons_are_told_in_the_units_of_the_scene() {
     };
     let [(si_text, (header, si)), (mm_text, (_, mm))] = block().map(|text| meshes(&text));
     assert!(
-        si_text.contains("sum p_n, N/m ") && mm_text.contains("sum p_n, N/mm ") && mm_text.contains("energy, mJ/mm")
+        si_text.contains("sum p_n [N/m] ") && mm_text.contains("sum p_n [N/mm] ") && mm_text.contains("energy [mJ/mm]")
     );
     for (k, name) in header.split(',').enumerate().filter(|(_, name)| !name.starts_with("error_")) {
         let unit = match name {
