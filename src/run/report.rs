@@ -46,7 +46,7 @@ pub use peak::LargestPressure;
 pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
 pub use quantities::{
-    Column, column as column_quantity, field as field_quantity, in_units, is_known as is_known_quantity,
+    Columns, column as column_quantity, field as field_quantity, in_units, is_known as is_known_quantity,
     key as key_quantity,
 };
 pub use resultant::{ComponentSums, ForceRecord, OfOpposite, OnObstacle, Resultant};

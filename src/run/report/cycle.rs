@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub use find::last_cycles;
 pub use node::CycleNode;
 use node::NodeWatch;
+#[cfg(test)]
+pub(super) use table::names;
 
 use super::contact_line::points;
 use crate::body::description::{CycleChoice, CycleRequest};
