@@ -32,6 +32,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checks;
 mod error;
 mod export;
 mod fclib;
@@ -39,6 +40,7 @@ mod global;
 mod hdf5;
 mod judge;
 pub mod local;
+mod measure;
 mod reduction;
 mod siconos;
 mod solve;
@@ -51,7 +53,8 @@ pub use error::ExchangeError;
 pub use export::{export, export_local};
 pub use global::{GlobalProblem, Parts};
 pub use hdf5::Hdf5Error;
-pub use judge::{Errors, Law, TOLERANCE, judge};
+pub use judge::judge;
+pub use measure::{Errors, Law, TOLERANCE};
 pub use reduction::{Reduction, ReductionError};
 pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
 

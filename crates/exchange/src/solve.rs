@@ -7,7 +7,7 @@
 use super::judge::judge;
 use super::reduction::{Reduction, ReductionError};
 use super::{Errors, GlobalProblem, Problem, Solution};
-use crate::local::{self, CascadeSettings, LocalProblem, LocalProblemError};
+use crate::local::{self, CascadeSettings, LocalProblem};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use stickslip::base::InputError;
@@ -92,9 +92,6 @@ pub enum SolveError {
     /// A guess does not fit the problem.
     #[error(transparent)]
     Guess(#[from] InputError),
-    /// The local problem, or a guess for it, is invalid.
-    #[error(transparent)]
-    Local(#[from] LocalProblemError),
     /// Neither the uncondensed system nor the reduction can use such a matrix.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
@@ -230,11 +227,7 @@ fn of_state(global: &GlobalProblem, state: &State) -> Solution {
 }
 
 /// Solves a local problem by the cascade.
-fn cascade(
-    way: Way,
-    problem: &LocalProblem,
-    guess: Option<&[f64]>,
-) -> Result<(Solution, Vec<Stage>), LocalProblemError> {
+fn cascade(way: Way, problem: &LocalProblem, guess: Option<&[f64]>) -> Result<(Solution, Vec<Stage>), InputError> {
     let solved = local::solve(problem, &way.cascade(), guess)?;
     let stage = |record: &local::StageRecord| Stage {
         stage: record.stage.to_string(),
