@@ -165,9 +165,7 @@ impl CycleWatch {
         match self.phase(record.time) {
             Phase::Before => {
                 let points = points(model, 0..model.contacts.len(), step);
-                let stresses = model.surface_stresses(record.time, step.state);
-                self.nodes =
-                    points.iter().zip(&stresses).map(|(point, stress)| NodeWatch::at(point, stress.along)).collect();
+                self.nodes = points.iter().map(NodeWatch::at).collect();
             }
             Phase::Within => self.nodes(model, step),
             Phase::After => {}
@@ -176,13 +174,12 @@ impl CycleWatch {
 
     fn nodes(&mut self, model: &Model, step: &IncrementView<'_>) {
         let points = points(model, 0..model.contacts.len(), step);
-        let stresses = model.surface_stresses(step.record.time, step.state);
-        for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
+        for (i, (node, point)) in self.nodes.iter_mut().zip(&points).enumerate() {
             if self.follows_path {
-                node.see_path(point, stress.along);
+                node.observe_path(point);
             } else {
                 let [t, o] = model.problem.slip(step.increment, step.state, i);
-                node.observe(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
+                node.observe(point, step.state.p_t[i] * t + step.state.p_o[i] * o);
             }
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact_boundaries) {
@@ -235,7 +232,7 @@ impl CycleWatch {
         CycleOfBoundary {
             boundary: boundary.name.clone(),
             regime: self.regime(model, b),
-            friction_work: boundary.parts(&model.contacts).map(|(i, part)| part * self.nodes[i].work()).sum(),
+            friction_work: boundary.parts(&model.contacts).map(|(i, part)| part * self.nodes[i].work).sum(),
             slip_range: largest(NodeWatch::slip_range),
             slip_net: largest(NodeWatch::slip_net),
         }

@@ -5,24 +5,22 @@ use serde::Serialize;
 use super::balance::BalanceRecord;
 use super::cycle::CycleReport;
 use super::estimates::Estimates;
-use super::exact_path::ExactPath;
 use super::explain::Explanation;
 use super::history_curves::HistoryCurves;
 use super::key_results::{FrictionResult, HoldingForce, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
-use super::quantities;
+use super::quantities::{self, UnitNames};
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
-use super::unit_names::UnitNames;
 use super::unknowns::{EliminatedUnknown, Unknowns};
 use super::usage::{RankRecord, cpu_seconds, peak_rss_bytes};
 use super::warnings::Warning;
 use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::estimate::StickZone;
-use crate::body::model::Model;
-use crate::body::model::RangeLeft;
+use crate::body::model::{Model, RangeLeft};
 use crate::run::auto::Faster;
+use crate::solver::events::PathEnd;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
 use crate::solver::uniqueness::CriticalFriction;
@@ -142,6 +140,24 @@ pub struct RunReport {
     /// The curves for the charts of the history.
     #[serde(skip)]
     pub curves: HistoryCurves,
+}
+
+/// The course of an exact path.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[non_exhaustive]
+pub struct ExactPath {
+    /// The number of changes of contact status.
+    pub events: usize,
+    /// The end of the quasi-static motion, if it ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost: Option<PathEnd>,
+}
+
+impl ExactPath {
+    pub(in crate::run) fn of(outcome: &HistoryOutcome) -> Self {
+        ExactPath { events: outcome.event_count, lost: outcome.lost }
+    }
 }
 
 /// One of several bodies.
