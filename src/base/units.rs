@@ -44,8 +44,8 @@ fn power_of_two(x: f64) -> f64 {
 
 /// The units of an input and of its output: one of length and one of stress. Time is in s, temperature in K, angles
 /// are in rad, and all other units follow from these, such as the unit of force, stress · length².
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, rename = "units")]
 pub struct Units {
     /// The unit of length.
     pub length: LengthUnit,
@@ -54,7 +54,8 @@ pub struct Units {
 }
 
 /// A unit of length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
+#[schemars(extend("enum" = ["µm", "μm"]))]
 pub enum LengthUnit {
     /// Metre.
     #[default]
@@ -81,7 +82,7 @@ pub enum LengthUnit {
 }
 
 /// A unit of stress.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
 pub enum StressUnit {
     /// Pascal.
     #[default]

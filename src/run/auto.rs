@@ -74,11 +74,10 @@ pub struct AvailableSolvers {
 }
 
 /// A linear solver estimated to take much less time than that of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Faster {
     /// The faster solver, by its name in scenes.
-    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    #[schemars(with = "String")]
     pub solver: LinearAlgebra,
     /// The estimated time of its linear algebra, s.
     pub seconds: f64,

@@ -18,8 +18,7 @@ use serde::{Deserialize, Serialize};
 pub const TOLERANCE: f64 = 1e-10;
 
 /// The violation of each law, the largest over all rows and contacts, without units.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Errors {
     /// Imbalance of the forces on the bodies, `M v = f + H r`; for a local problem error of a given `u = W r + q`.
     pub equilibrium: f64,

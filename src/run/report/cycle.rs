@@ -20,8 +20,7 @@ use crate::solver::history::{IncrementView, Status};
 use crate::solver::laws::ContactStatus;
 
 /// The slip of a contact surface in a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlipRegime {
     /// No node slips.
@@ -33,8 +32,7 @@ pub enum SlipRegime {
 }
 
 /// The results of a load cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleReport {
     /// The time of its beginning, s.
@@ -58,8 +56,7 @@ pub struct CycleReport {
 }
 
 /// The friction work of a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleWork {
     /// The time of its beginning, s.
@@ -71,8 +68,7 @@ pub struct CycleWork {
 }
 
 /// A boundary in a cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleOfBoundary {
     /// The boundary.

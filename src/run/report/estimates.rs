@@ -11,8 +11,7 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// Estimates of the errors by mesh and increments.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Estimates {
     /// The estimates of each contact surface that ever touched, when its force was largest.

@@ -14,8 +14,7 @@ use crate::solver::solvability::friction_work;
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// The reason why a run ended early.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Explanation {
     /// The reason in words; empty if the run reached its end.
@@ -29,8 +28,7 @@ pub struct Explanation {
 }
 
 /// The slip of a joint as a whole.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct JointSlip {
     /// The bodies that slide, and how.
@@ -48,8 +46,7 @@ pub struct JointSlip {
 }
 
 /// A load that changes where a joint slips.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ChangingLoad {
     /// The number of the load, from 0.
@@ -59,8 +56,7 @@ pub struct ChangingLoad {
 }
 
 /// A node where a law is violated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct WorstNode {
     /// The law.

@@ -95,8 +95,7 @@ pub fn field(name: &str) -> Quantity {
 }
 
 /// The units of a report.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct UnitNames {
     /// The unit of lengths.
@@ -112,8 +111,7 @@ pub struct UnitNames {
 }
 
 /// A unit.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct NamedUnit {
     /// The name, such as `mm`.

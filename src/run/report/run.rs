@@ -31,8 +31,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// All results of a run except the fields. All numbers are SI, and serde writes them so; [`RunReport::to_json`]
 /// converts them to the units of the model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct RunReport {
     /// The version of these keys, 1.
@@ -143,8 +142,7 @@ pub struct RunReport {
 }
 
 /// The course of an exact path.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ExactPath {
     /// The number of changes of contact status.
@@ -161,8 +159,7 @@ impl ExactPath {
 }
 
 /// One of several bodies.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct BodyRecord {
     /// The name of the body.
@@ -187,8 +184,7 @@ impl BodyRecord {
 }
 
 /// The largest displacement of a history.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct LargestDisplacement {
     /// The length of the displacement, m.
@@ -200,8 +196,7 @@ pub struct LargestDisplacement {
 }
 
 /// Sums over a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Totals {
     /// The number of increments that converged.
