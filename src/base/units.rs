@@ -185,13 +185,13 @@ impl Size {
     }
 
     /// Converts `x` of this unit to SI.
-    fn times(self, x: f64) -> f64 {
+    fn to_si(self, x: f64) -> f64 {
         let x = x * self.digits;
         if self.power < 0 { x / ten(-self.power) } else { x * ten(self.power) }
     }
 
     /// Converts `x` from SI to this unit.
-    fn parts(self, x: f64) -> f64 {
+    fn from_si(self, x: f64) -> f64 {
         let x = if self.power < 0 { x * ten(-self.power) } else { x / ten(self.power) };
         x / self.digits
     }

@@ -56,7 +56,7 @@ pub use hdf5::Hdf5Error;
 pub use judge::judge;
 pub use measure::{Errors, Law, TOLERANCE};
 pub use reduction::{Reduction, ReductionError};
-pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
+pub use solve::{Answer, SolveError, Stage, Strategy, solve, solve_by};
 
 /// A problem with the other content of its file.
 #[derive(Debug, Clone)]

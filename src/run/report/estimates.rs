@@ -175,7 +175,7 @@ impl EstimateWatch {
     /// Returns the largest contact pressure, with its errors from the `estimates`, if there was any.
     pub fn largest_pressure(&self, model: &Model, estimates: &Estimates) -> Option<LargestPressure> {
         let singular = estimates.peak.as_ref().is_some_and(|peak| peak.singular_edge);
-        self.peak.as_ref().map(|peak| peak.told(model, &self.graph, estimates.peak_error, singular))
+        self.peak.as_ref().map(|peak| peak.record(model, &self.graph, estimates.peak_error, singular))
     }
 
     /// Returns the estimates of the mesh errors.

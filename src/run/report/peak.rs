@@ -151,7 +151,7 @@ impl Peak {
     }
 
     /// Returns the pressure for the report.
-    pub(super) fn told(
+    pub(super) fn record(
         &self,
         model: &Model,
         graph: &ContactGraph,

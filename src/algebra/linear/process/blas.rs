@@ -5,11 +5,11 @@
 //! selects others when the library is loaded: the program starts itself again with it.
 
 #[cfg(feature = "blas")]
+pub(in crate::algebra::linear) mod blas_buffer;
+#[cfg(feature = "blas")]
 mod kernel;
 #[cfg(feature = "blas")]
 pub(super) mod loaded;
-#[cfg(feature = "blas")]
-pub(in crate::algebra::linear) mod room;
 
 use std::fmt;
 
