@@ -20,7 +20,8 @@ use crate::body::mesh::CellKind;
 use crate::solver::formulation::Partition;
 use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
 
-/// `N` values, by default two. A plain array would not do because the TOML reader ignores surplus values.
+/// A list of `N` values, by default two.
+// A plain array would not do because the TOML reader ignores surplus values.
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(try_from = "Vec<T>")]
 #[schemars(inline, with = "Vec<T>", extend("minItems" = N, "maxItems" = N))]
@@ -46,7 +47,7 @@ impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
 #[schemars(inline, untagged)]
 pub(super) enum OneOrMany<T> {
     One(T),
-    Many(Vec<T>),
+    Many(#[schemars(length(min = 1))] Vec<T>),
 }
 
 impl<T> OneOrMany<T> {
@@ -105,7 +106,7 @@ impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrManyVisitor<T> {
     }
 }
 
-/// A number, or the text of a formula.
+/// A number, or a formula of x, y, z (m).
 #[derive(Clone, JsonSchema)]
 #[schemars(inline, untagged)]
 pub(super) enum Scalar {
@@ -148,6 +149,8 @@ impl Visitor<'_> for ScalarVisitor {
 pub(super) struct Document {
     /// A line for headings; the file's name unless given.
     pub title: Option<String>,
+    /// The units of all numbers of the scene, its meshes and tables, and of its results, in place of those named below:
+    /// others follow from these, force as stress · length². Time is in s, temperature in K, angles are in rad.
     #[serde(default)]
     pub units: Units,
     pub mesh: Option<Mesh>,
@@ -246,6 +249,7 @@ pub(super) struct Spring {
     #[schemars(length(min = 2, max = 3))]
     pub stiffness: Option<Vec<f64>>,
     /// coupling: against its rotation, N m: a number about z in the plane, [x, y, z] in space.
+    #[schemars(extend("minimum" = 0))]
     pub rotational: Option<OneOrMany<f64>>,
     /// boundary: along its normal, N/m³. 0 unless given.
     #[schemars(extend("minimum" = 0))]

@@ -16,8 +16,9 @@ pub fn schema() -> Value {
 
 /// Removes null, which TOML does not have, and formats of numbers; makes one list of the words of a key.
 fn simplify(schema: &mut Schema) {
+    let Some(schema) = schema.as_object_mut() else { return };
     schema.remove("format");
-    let schema = schema.ensure_object();
+    schema.retain(|key, of| key != "default" || !of.is_null());
     if let Some(Value::Array(types)) = schema.get_mut("type") {
         types.retain(|name| name != "null");
         if let [only] = &types[..] {

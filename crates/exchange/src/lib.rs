@@ -16,7 +16,8 @@
 //! | `fclib.rs` | FCLIB's groups and datasets, read and written |
 //! | `siconos.rs` | the text of Siconos |
 //! | `global.rs`, `reduction.rs` | the global problem, as a [`ContactProblem`](stickslip::solver::ContactProblem) and as a local one |
-//! | `judge.rs` | the error measure of any solution |
+//! | `measure.rs`, `judge.rs` | the error measure of any solution |
+//! | `checks.rs` | checks of sizes and numbers that both kinds of problems share |
 //! | `solve.rs` | from a problem to a solution with its verdict |
 //! | `export.rs` | an increment of ours as a problem for other programs |
 //!
