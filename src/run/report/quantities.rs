@@ -183,8 +183,9 @@ mod tests {
     fn every_column_has_its_quantity() {
         let headers = [probe::header(2), probe::header(3)];
         let nodes = contact_line::names().chain(cycle::names());
-        for name in headers.iter().flat_map(|header| header.trim_end().split(',')).chain(nodes) {
-            assert!(column(name).is_some(), "{name}");
+        let headers = headers.iter().flat_map(|header| header.trim_end().split(','));
+        for name in headers.map(String::from).chain(nodes.map(String::from)) {
+            assert!(column(&name).is_some(), "{name}");
         }
     }
 }

@@ -107,7 +107,7 @@ mod tests {
     /// The better kernel is the best one, so that it is requested only once.
     #[test]
     fn the_better_kernel_has_no_better_one() {
-        for kernel in KERNELS.iter().flat_map(|(_, names)| *names) {
+        for kernel in KERNELS.iter().flat_map(|(_, names)| names.split_whitespace()) {
             for vectors in [Vectors::Sse, Vectors::Avx, Vectors::Avx2, Vectors::Avx512] {
                 if let Some(better) = better_kernel(kernel, Some(vectors)) {
                     assert_eq!(better_kernel(better, Some(vectors)), None, "{kernel}");
