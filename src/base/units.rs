@@ -152,7 +152,7 @@ impl Size {
     }
 
     /// Converts `x` from SI to this unit.
-    fn from_si(self, x: f64) -> f64 {
+    fn of_si(self, x: f64) -> f64 {
         let x = if self.power < 0 { x * ten(-self.power) } else { x / ten(self.power) };
         x / self.digits
     }

@@ -467,7 +467,7 @@ pub(super) struct SolverTable {
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub r_factor: Option<f64>,
     /// The most iterations an increment may take. 200 unless given.
-    #[schemars(extend("minimum" = 1, "maximum" = 1000000))]
+    #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
     pub max_iterations: Option<i64>,
     /// What every component of the error measure must reach. 1e-10 unless given; ip, paper: 1e-6.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
@@ -666,7 +666,7 @@ pub(super) struct Probe {
     /// The last point of a line, m.
     pub to: Option<Vector>,
     /// How many points are on the line, its ends included.
-    #[schemars(extend("minimum" = 2, "maximum" = 10000))]
+    #[schemars(extend("minimum" = 2, "maximum" = 10_000))]
     pub points: Option<i64>,
 }
 

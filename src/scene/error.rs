@@ -172,6 +172,9 @@ impl Source {
 /// key.
 pub(super) struct Places(Vec<(String, Range<usize>)>);
 
+/// The place of an entry of a list, and the entry itself if it is a table.
+type Entry<'a> = (Option<Range<usize>>, Option<&'a dyn TableLike>);
+
 impl Places {
     /// Finds the keys of `text`; none if `text` is not TOML.
     pub(super) fn of(text: &str) -> Self {
@@ -230,7 +233,7 @@ impl Places {
 
     fn take(&mut self, item: &Item, key: &str) {
         self.0.extend(item.span().map(|span| (key.to_string(), span)));
-        let entries: Vec<(Option<Range<usize>>, Option<&dyn TableLike>)> = match item {
+        let entries: Vec<Entry<'_>> = match item {
             Item::ArrayOfTables(tables) => tables.iter().map(|table| (table.span(), Some(table as _))).collect(),
             Item::Value(Value::Array(values)) => {
                 values.iter().map(|value| (value.span(), value.as_inline_table().map(|table| table as _))).collect()
@@ -240,7 +243,9 @@ impl Places {
         for (k, (span, table)) in entries.iter().enumerate() {
             let key = format!("{key}[{k}]");
             self.0.extend(span.clone().map(|span| (key.clone(), span)));
-            table.iter().for_each(|table| self.take_table(*table, &key));
+            if let Some(table) = table {
+                self.take_table(*table, &key);
+            }
         }
         if let [(_, Some(only))] = entries[..] {
             self.take_table(only, key);

@@ -121,7 +121,7 @@ impl UnitSystem {
 
     /// Converts `x` from SI to these units.
     pub fn of_si(&self, quantity: Quantity, x: f64) -> f64 {
-        self.size(quantity).from_si(x * self.thickness(quantity))
+        self.size(quantity).of_si(x * self.thickness(quantity))
     }
 
     /// Returns the thickness (m) if the body has one and SI numbers of `quantity` are per m of depth, otherwise 1.

@@ -51,7 +51,9 @@ pub(crate) fn write(root: &Node) -> Vec<u8> {
 
 /// Appends `numbers` in `size` bytes each.
 fn put(to: &mut Vec<u8>, size: usize, numbers: &[u64]) {
-    numbers.iter().for_each(|number| to.extend(&number.to_le_bytes()[..size]));
+    for number in numbers {
+        to.extend(&number.to_le_bytes()[..size]);
+    }
 }
 
 fn align(to: &mut Vec<u8>) {
