@@ -34,7 +34,6 @@ mod need;
 mod recording;
 pub mod report;
 mod results;
-mod sharing;
 mod start;
 mod watch;
 

@@ -29,6 +29,7 @@ mod error;
 mod overrides;
 mod provenance;
 mod read;
+mod schema;
 mod syntax;
 
 use std::path::{Path, PathBuf};
@@ -37,16 +38,13 @@ pub use crate::base::input::{Contents, with_contents};
 pub use error::{Located, SceneError};
 pub use overrides::{Override, OverrideSyntax};
 pub use provenance::Provenance;
+pub use schema::schema;
 
 use crate::base::input_error::InputError;
 use crate::base::timeline::{equal_increments, with_further_ends};
 use crate::body::description::{CycleRequest, Description, Probe};
 use crate::solver::history::SolverChoice;
 use error::Source;
-
-/// The JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several keys at
-/// once only the reader of scenes checks.
-pub const SCHEMA: &str = include_str!("scene/schema.json");
 
 /// A checked scene.
 #[derive(Debug, Clone, PartialEq)]

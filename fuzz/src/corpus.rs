@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use stickslip::run::Run;
-use stickslip::scene::{SCHEMA, Scene};
+use stickslip::scene::{Scene, schema};
 
 /// The folder of scenes whose names of files are meant from here.
 pub fn scenes() -> PathBuf {
@@ -67,7 +67,8 @@ fn beginning(files: Vec<Vec<u8>>, heads: &[&[u8]]) -> Vec<Vec<u8>> {
 }
 
 fn words() -> Vec<String> {
-    let quoted = SCHEMA.split('"').skip(1).step_by(2);
+    let schema = schema().to_string();
+    let quoted = schema.split('"').skip(1).step_by(2);
     let word = |text: &&str| text.bytes().all(|byte| byte.is_ascii_alphanumeric() || b"_-".contains(&byte));
     quoted.filter(word).map(str::to_string).collect::<BTreeSet<_>>().into_iter().collect()
 }

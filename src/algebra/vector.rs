@@ -5,8 +5,9 @@ use std::fmt;
 use serde::Deserialize;
 
 /// A vector with two or three coordinates, as in an input.
-#[derive(Clone, Copy, PartialEq, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Deserialize, schemars::JsonSchema)]
 #[serde(try_from = "Vec<f64>")]
+#[schemars(inline, extend("minItems" = 2, "maxItems" = 3))]
 pub struct Vector {
     components: [f64; 3],
     dimension: usize,

@@ -55,8 +55,8 @@ pub fn read_bytes(path: &Path) -> io::Result<Vec<u8>> {
     whole(path)
 }
 
-/// The largest content, bytes, that a file may have beyond its told size: a pipe and files of the system tell none.
-const UNTOLD: u64 = 1 << 24;
+/// The largest content, bytes, beyond the size that the system gives: it gives 0 for a pipe and for files of its own.
+const MAX_UNDECLARED: u64 = 1 << 24;
 
 fn whole(path: &Path) -> io::Result<Vec<u8>> {
     let file = File::open(path)?;
@@ -67,8 +67,8 @@ fn whole(path: &Path) -> io::Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(size as usize)?;
-    if file.take(size + UNTOLD).read_to_end(&mut bytes)? as u64 == size + UNTOLD {
-        return Err(io::Error::other(format!("it does not end within {}", in_words(size + UNTOLD))));
+    if file.take(size + MAX_UNDECLARED).read_to_end(&mut bytes)? as u64 == size + MAX_UNDECLARED {
+        return Err(io::Error::other(format!("it does not end within {}", in_words(size + MAX_UNDECLARED))));
     }
     if bytes.starts_with("\u{feff}".as_bytes()) {
         bytes.drain(..3);

@@ -4,9 +4,8 @@
 //! The data are read from `/proc/meminfo`, `/proc/self/limits` and `/proc/self/status`. The limits of the control
 //! group named in `/proc/self/cgroup`, and of the groups above it, are below `/sys/fs/cgroup`.
 
-use std::fmt;
-use std::fs;
 use std::path::Path;
+use std::{fmt, fs};
 
 /// The limit that leaves the least memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

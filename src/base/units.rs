@@ -44,8 +44,8 @@ fn power_of_two(x: f64) -> f64 {
 
 /// The units of an input and of its output: one of length and one of stress. Time is in s, temperature in K, angles
 /// are in rad, and all other units follow from these, such as the unit of force, stress · length².
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, rename = "units")]
 pub struct Units {
     /// The unit of length.
     pub length: LengthUnit,
@@ -53,58 +53,70 @@ pub struct Units {
     pub stress: StressUnit,
 }
 
-/// A unit of length.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum LengthUnit {
-    /// Metre.
-    #[default]
-    #[serde(rename = "m")]
-    Metre,
-    /// Millimetre.
-    #[serde(rename = "mm")]
-    Millimetre,
-    /// Centimetre.
-    #[serde(rename = "cm")]
-    Centimetre,
-    /// Micrometre.
-    #[serde(rename = "um", alias = "µm", alias = "μm")]
-    Micrometre,
-    /// Kilometre.
-    #[serde(rename = "km")]
-    Kilometre,
-    /// Inch.
-    #[serde(rename = "in")]
-    Inch,
-    /// Foot.
-    #[serde(rename = "ft")]
-    Foot,
+/// Declares the units of a quantity: the name of each in a scene, and the digits and the power of ten of its SI size.
+macro_rules! units {
+    ($(#[$of:meta])* $unit:ident { $($(#[$meta:meta])* $variant:ident = $name:literal $digits:tt e $power:literal,)* }) => {
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
+        $(#[$of])*
+        pub enum $unit {
+            $($(#[$meta])* #[serde(rename = $name)] $variant,)*
+        }
+
+        impl $unit {
+            /// Returns the name in a scene.
+            pub fn name(self) -> &'static str {
+                match self { $($unit::$variant => $name,)* }
+            }
+
+            fn size(self) -> Size {
+                match self { $($unit::$variant => Size { digits: $digits, power: $power },)* }
+            }
+        }
+    };
 }
 
-/// A unit of stress.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
-pub enum StressUnit {
-    /// Pascal.
-    #[default]
-    #[serde(rename = "Pa")]
-    Pascal,
-    /// Kilopascal.
-    #[serde(rename = "kPa")]
-    Kilopascal,
-    /// Megapascal, N/mm².
-    #[serde(rename = "MPa")]
-    Megapascal,
-    /// Gigapascal.
-    #[serde(rename = "GPa")]
-    Gigapascal,
-    /// Bar.
-    #[serde(rename = "bar")]
-    Bar,
-    /// Pound-force per square inch.
-    #[serde(rename = "psi")]
-    Psi,
-    /// A thousand psi.
-    #[serde(rename = "ksi")]
-    Ksi,
+units! {
+    /// A unit of length.
+    #[schemars(extend("enum" = ["µm", "μm"]))]
+    LengthUnit {
+        /// Metre.
+        #[default]
+        Metre = "m" 1.0 e 0,
+        /// Millimetre.
+        Millimetre = "mm" 1.0 e -3,
+        /// Centimetre.
+        Centimetre = "cm" 1.0 e -2,
+        /// Micrometre.
+        #[serde(alias = "µm", alias = "μm")]
+        Micrometre = "um" 1.0 e -6,
+        /// Kilometre.
+        Kilometre = "km" 1.0 e 3,
+        /// Inch.
+        Inch = "in" 254.0 e -4,
+        /// Foot.
+        Foot = "ft" 3048.0 e -4,
+    }
+}
+
+units! {
+    /// A unit of stress.
+    StressUnit {
+        /// Pascal.
+        #[default]
+        Pascal = "Pa" 1.0 e 0,
+        /// Kilopascal.
+        Kilopascal = "kPa" 1.0 e 3,
+        /// Megapascal.
+        Megapascal = "MPa" 1.0 e 6,
+        /// Gigapascal.
+        Gigapascal = "GPa" 1.0 e 9,
+        /// Bar.
+        Bar = "bar" 1.0 e 5,
+        /// Pound-force per square inch.
+        Psi = "psi" PSI e 0,
+        /// A thousand psi.
+        Ksi = "ksi" PSI e 3,
+    }
 }
 
 /// A size in SI units: `digits · 10^power`. A power of ten is converted with one rounding.
@@ -124,56 +136,6 @@ impl Units {
     }
 }
 
-impl LengthUnit {
-    /// Returns the name in a scene.
-    pub fn name(self) -> &'static str {
-        self.named().0
-    }
-
-    fn size(self) -> Size {
-        let (_, digits, power) = self.named();
-        Size { digits, power }
-    }
-
-    /// Returns the name, and the digits and the power of ten of the size, m.
-    fn named(self) -> (&'static str, f64, i32) {
-        match self {
-            LengthUnit::Metre => ("m", 1.0, 0),
-            LengthUnit::Millimetre => ("mm", 1.0, -3),
-            LengthUnit::Centimetre => ("cm", 1.0, -2),
-            LengthUnit::Micrometre => ("um", 1.0, -6),
-            LengthUnit::Kilometre => ("km", 1.0, 3),
-            LengthUnit::Inch => ("in", 254.0, -4),
-            LengthUnit::Foot => ("ft", 3048.0, -4),
-        }
-    }
-}
-
-impl StressUnit {
-    /// Returns the name in a scene.
-    pub fn name(self) -> &'static str {
-        self.named().0
-    }
-
-    fn size(self) -> Size {
-        let (_, digits, power) = self.named();
-        Size { digits, power }
-    }
-
-    /// Returns the name, and the digits and the power of ten of the size, Pa.
-    fn named(self) -> (&'static str, f64, i32) {
-        match self {
-            StressUnit::Pascal => ("Pa", 1.0, 0),
-            StressUnit::Kilopascal => ("kPa", 1.0, 3),
-            StressUnit::Megapascal => ("MPa", 1.0, 6),
-            StressUnit::Gigapascal => ("GPa", 1.0, 9),
-            StressUnit::Bar => ("bar", 1.0, 5),
-            StressUnit::Psi => ("psi", PSI, 0),
-            StressUnit::Ksi => ("ksi", PSI, 3),
-        }
-    }
-}
-
 /// A pound-force, 0.45359237 kg · 9.80665 m/s², per square inch, Pa.
 const PSI: f64 = 4.448_221_615_260_5 / (0.0254 * 0.0254);
 
@@ -184,13 +146,13 @@ impl Size {
     }
 
     /// Converts `x` of this unit to SI.
-    fn times(self, x: f64) -> f64 {
+    fn to_si(self, x: f64) -> f64 {
         let x = x * self.digits;
         if self.power < 0 { x / ten(-self.power) } else { x * ten(self.power) }
     }
 
     /// Converts `x` from SI to this unit.
-    fn parts(self, x: f64) -> f64 {
+    fn of_si(self, x: f64) -> f64 {
         let x = if self.power < 0 { x * ten(-self.power) } else { x / ten(self.power) };
         x / self.digits
     }

@@ -74,11 +74,10 @@ pub struct AvailableSolvers {
 }
 
 /// A linear solver estimated to take much less time than that of a run.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct Faster {
     /// The faster solver, by its name in scenes.
-    #[cfg_attr(feature = "schema", schemars(with = "String"))]
+    #[schemars(with = "String")]
     pub solver: LinearAlgebra,
     /// The estimated time of its linear algebra, s.
     pub seconds: f64,
@@ -127,14 +126,8 @@ impl Choice {
         solvers: AvailableSolvers,
     ) -> Result<Self, LinearError> {
         let factorizations = factorizations(&Layout::new(problem), method, increments);
-        let work = [increments as f64, factorizations];
-        let sizes = Estimates::new(
-            problem,
-            initial_set,
-            method,
-            work,
-            Cholesky::predict(problem.stiffness().assembled()?.as_ref())?,
-        );
+        let work = work(initial_set, method, [increments as f64, factorizations]);
+        let sizes = Estimates::new(problem, initial_set, work, factor_of(problem)?);
         let paths = sizes.paths(solvers);
         let by = |measure: fn(&SolverEstimate) -> f64| {
             move |a: &&SolverEstimate, b: &&SolverEstimate| measure(a).total_cmp(&measure(b))
@@ -171,8 +164,8 @@ impl Choice {
         if matches!(self.why, Why::Estimated { .. }) || done.seconds < long {
             return Ok(None);
         }
-        let work = [done.increments, done.factorizations].map(|count| count as f64);
-        let estimates = |stiffness| Estimates::new(problem, initial_set, method, work, stiffness);
+        let work = work(initial_set, method, [done.increments, done.factorizations].map(|count| count as f64));
+        let estimates = |stiffness| Estimates::new(problem, initial_set, work, stiffness);
         let fastest = |estimates: &Estimates| {
             let others = estimates.paths(solvers).into_iter().filter(|path| !self.is_like(path.linear));
             let with_room = others.filter(|path| solvers.have_room(path));
@@ -183,7 +176,7 @@ impl Choice {
         if fastest(&estimates(least)).is_none_or(|other| MUCH * other.cost.seconds > done.seconds) {
             return Ok(None);
         }
-        let estimates = estimates(Cholesky::predict(problem.stiffness().assembled()?.as_ref())?);
+        let estimates = estimates(factor_of(problem)?);
         let here_seconds = estimates.cost(self.linear).shared_by(solvers.ranks).seconds;
         let worth_a_word = |other: &SolverEstimate| here_seconds > MUCH * other.cost.seconds && here_seconds > long;
         let faster = |other: SolverEstimate| Faster { solver: other.linear, seconds: other.cost.seconds, here_seconds };
@@ -256,19 +249,29 @@ pub(crate) fn factorizations(layout: &Layout, method: HistoryMethod, increments:
     }
 }
 
+/// Returns the properties of the Cholesky factor of the stiffness, by one symbolic analysis.
+pub(super) fn factor_of(problem: &ContactProblem) -> Result<FactorInfo, LinearError> {
+    Cholesky::predict(problem.stiffness().assembled()?.as_ref())
+}
+
+/// Returns the work of `method`. Most nodes of a partial working set are taken to be open.
+fn work(initial_set: &InitialWorkingSet, method: HistoryMethod, [increments, factorizations]: [f64; 2]) -> Work {
+    let all_free = method.increments().is_interior() || initial_set.nodes.is_some();
+    Work { increments, factorizations, all_free }
+}
+
 /// The data for estimates.
-struct Estimates {
+pub(super) struct Estimates {
     displacements: usize,
     sizes: Sizes,
     work: Work,
 }
 
 impl Estimates {
-    fn new(
+    pub(super) fn new(
         problem: &ContactProblem,
         initial_set: &InitialWorkingSet,
-        method: HistoryMethod,
-        [increments, factorizations]: [f64; 2],
+        work: Work,
         stiffness: FactorInfo,
     ) -> Self {
         let layout = Layout::new(problem);
@@ -277,13 +280,11 @@ impl Estimates {
             None => problem.contact_displacements(),
         };
         let sizes = Sizes { unknowns: layout.unknowns(), contact_displacements: held.len(), stiffness };
-        // Most nodes of a partial working set are taken to be open.
-        let all_free = method.increments().is_interior() || initial_set.nodes.is_some();
-        let work = Work { increments, factorizations, all_free };
         Estimates { displacements: layout.displacements(), sizes, work }
     }
 
-    fn cost(&self, linear: LinearAlgebra) -> Cost {
+    /// Returns the cost with this linear solver.
+    pub(super) fn cost(&self, linear: LinearAlgebra) -> Cost {
         match linear {
             LinearAlgebra::Whole(lu) => cost::sparse(&self.sizes, &self.work, lu),
             LinearAlgebra::Condensed(_) => cost::condensed(&self.sizes, &self.work),

@@ -35,10 +35,10 @@ mod prelude {
     pub(super) use crate::solver::history::IncrementView;
 }
 
-use super::report::{BalanceWatch, Estimates, ForceJump, is_as_large};
+use super::force_jumps::ForceJump;
+use super::report::{BalanceWatch, Estimates, is_as_large};
 use crate::body::contact::Passed;
-use crate::body::model::LargeMotion;
-use crate::body::model::RangeLeft;
+use crate::body::model::{LargeMotion, RangeLeft};
 use crate::solver::history::{HistoryOutcome, SolverChoice, Status};
 use crate::solver::laws::ContactStatus;
 

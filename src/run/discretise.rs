@@ -5,9 +5,8 @@ use std::borrow::Cow;
 use super::RunError;
 use super::lock::locked;
 use super::need::has_room;
-use super::sharing::share;
-use crate::algebra::linear::Engine;
 use crate::algebra::linear::built_in::ranks;
+use crate::algebra::linear::{Engine, engine};
 use crate::base::memory::Budget;
 use crate::base::timeline::equal_increments;
 use crate::body::model::{Model, ModelError, Share};
@@ -82,6 +81,12 @@ pub(super) fn shared(scene: &Scene, engine: &dyn Engine) -> Result<Model, RunErr
     let per_rank = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(per_rank), Budget::of_process())?;
     suitable(scene, model_of(scene, Some(&|body, near| engine.share(body, near)))?)
+}
+
+/// Returns the engine that distributes the stiffness of a model solved by `solver`; `None` if it needs no rows.
+fn share(solver: &SolverChoice) -> Option<&'static dyn Engine> {
+    let wants_rows = solver.linear.is_some_and(LinearAlgebra::iterates) && !solver.method.is_exact_path();
+    engine().filter(|_| wants_rows)
 }
 
 /// Builds the model of `scene`. Errors of its description name file and line.

@@ -8,7 +8,6 @@
 use serde::{Deserialize, Serialize};
 
 use crate::body::model::Model;
-use crate::run::report::ForceJump;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{
     Error, HistoryMethod, HistorySettings, IncrementView, JumpSolver, Observer, RestartPoint, Status,
@@ -37,6 +36,17 @@ const FED_BY_FRICTION: f64 = 0.5;
 
 /// The share of the change that remains in one half for a jump. The rest follows the loads.
 const STAYS: f64 = 0.6;
+
+/// An increment in which contact forces jump, however short it is made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct ForceJump {
+    /// Its beginning, s.
+    pub from: f64,
+    /// Its end, s.
+    pub to: f64,
+    /// The change of the contact forces relative to their largest value, both as the root of `Σ |p|² / l`.
+    pub share: f64,
+}
 
 /// Collects increments in which contact forces may have jumped.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

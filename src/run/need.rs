@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
-use crate::algebra::linear::cost::{self, Sizes, Work};
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError};
+use crate::algebra::linear::cost::Work;
+use crate::algebra::linear::{FactorInfo, LinearError};
 use crate::base::memory::{Budget, kilobytes};
 use crate::body::model::Model;
-use crate::run::auto::SolverEstimate;
+use crate::run::auto::{Estimates, SolverEstimate, factor_of};
 use crate::solver::history::LinearAlgebra;
 use crate::solver::initial_working_set::InitialWorkingSet;
 
@@ -52,9 +52,7 @@ impl MemoryEstimate {
     pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
         let stiffness = match linear {
             LinearAlgebra::Multigrid | LinearAlgebra::Petsc => FactorInfo::default(),
-            LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => {
-                Cholesky::predict(model.problem.stiffness().assembled()?.as_ref())?
-            }
+            LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => factor_of(&model.problem)?,
         };
         Ok(Self::with(model, &InitialWorkingSet::default(), linear, records, stiffness))
     }
@@ -71,18 +69,8 @@ impl MemoryEstimate {
         records: usize,
         stiffness: FactorInfo,
     ) -> Self {
-        let problem = &model.problem;
-        let held = match &initial_set.nodes {
-            Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()),
-            None => problem.contact_displacements(),
-        };
-        let sizes = Sizes { unknowns: problem.displacements(), contact_displacements: held.len(), stiffness };
         let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
-        let factors = match linear {
-            LinearAlgebra::Whole(lu) => cost::sparse(&sizes, &work, lu),
-            LinearAlgebra::Multigrid | LinearAlgebra::Petsc => cost::multigrid(problem.displacements(), &work),
-            LinearAlgebra::Condensed(_) => cost::condensed(&sizes, &work),
-        };
+        let factors = Estimates::new(&model.problem, initial_set, work, stiffness).cost(linear);
         let ranks = if linear.is_shared() { ranks() } else { 1 };
         let factors = factors.shared_by(ranks).bytes;
         MemoryEstimate { body: body(model, linear), factors, history: RECORD_BYTES * records as f64 }
@@ -138,8 +126,7 @@ impl MemoryEstimate {
             if of(FactorInfo { entries, ..FactorInfo::default() }) <= budget.bytes as f64 {
                 return Ok(());
             }
-            let known = model.problem.stiffness().assembled().and_then(|k| Cholesky::predict(&k));
-            match known {
+            match factor_of(&model.problem) {
                 Err(LinearError::NotBuiltIn { .. }) => return Ok(()),
                 known => ("the factors of this scene", known?),
             }

@@ -6,9 +6,7 @@ mod csv;
 mod cycle;
 mod deformation;
 mod estimates;
-mod exact_path;
 mod explain;
-mod force_jump;
 mod history_curves;
 mod key_results;
 mod largest;
@@ -20,7 +18,6 @@ pub(crate) mod quantities;
 mod resultant;
 mod run;
 mod thinned;
-mod unit_names;
 mod unknowns;
 mod usage;
 mod warnings;
@@ -33,9 +30,7 @@ pub use cycle::{CycleNode, CycleOfBoundary, CycleReport, CycleWatch, CycleWork, 
 pub use deformation::deformation;
 pub(super) use estimates::ISOLATED;
 pub use estimates::{EstimateWatch, Estimates};
-pub use exact_path::ExactPath;
 pub use explain::{ChangingLoad, Explanation, JointSlip, WorstNode};
-pub(crate) use force_jump::ForceJump;
 pub use history_curves::{ForceCurves, HistoryCurves};
 pub(crate) use key_results::KeyWatch;
 pub(super) use key_results::Moment;
@@ -46,14 +41,13 @@ pub use peak::LargestPressure;
 pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
 pub use quantities::{
-    Column, column as column_quantity, field as field_quantity, in_units, is_known as is_known_quantity,
-    key as key_quantity,
+    Columns, NamedUnit, UnitNames, column as column_quantity, field as field_quantity, in_units,
+    is_known as is_known_quantity, key as key_quantity,
 };
 pub use resultant::{ComponentSums, ForceRecord, OfOpposite, OnObstacle, Resultant};
 pub(super) use run::BodyRecord;
-pub use run::{LargestDisplacement, RunReport, SCHEMA_VERSION, Totals};
+pub use run::{ExactPath, LargestDisplacement, RunReport, SCHEMA_VERSION, Totals};
 pub use thinned::Thinned;
-pub use unit_names::{NamedUnit, UnitNames};
 pub use unknowns::{EliminatedUnknown, Unknowns};
 pub use usage::{RankRecord, cpu_seconds, peak_rss_bytes, thread_cpu_seconds};
 pub use warnings::{Warning, WarningKind};

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::applicable::{available_solvers, fell_back};
 use super::checks::Solved;
-use super::force_jumps::JumpDetector;
+use super::force_jumps::{ForceJump, JumpDetector};
 use super::watch::{ReportCollector, Watches};
 use super::{Done, Faster, RecordedIncrement, Run, RunError, Sink};
 use crate::algebra::linear::process::blas::Blas;
@@ -12,8 +12,8 @@ use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::body::estimate::error_of_force;
 use crate::body::model::Model;
 use crate::run::report::{
-    BodyRecord, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath, Explanation,
-    ForceJump, Moment, PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
+    BodyRecord, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath, Explanation, Moment,
+    PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
 };
 use crate::solver::history::{self, HistoryOutcome, HistorySettings, JumpSolver, Observer, Status, SystemSolver};
 use crate::solver::influence::influence;

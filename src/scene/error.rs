@@ -172,6 +172,9 @@ impl Source {
 /// key.
 pub(super) struct Places(Vec<(String, Range<usize>)>);
 
+/// The place of an entry of a list, and the entry itself if it is a table.
+type Entry<'a> = (Option<Range<usize>>, Option<&'a dyn TableLike>);
+
 impl Places {
     /// Finds the keys of `text`; none if `text` is not TOML.
     pub(super) fn of(text: &str) -> Self {
@@ -229,37 +232,23 @@ impl Places {
     }
 
     fn take(&mut self, item: &Item, key: &str) {
-        if let Some(span) = item.span() {
-            self.0.push((key.to_string(), span));
-        }
-        match item {
-            Item::ArrayOfTables(tables) => {
-                for (k, table) in tables.iter().enumerate() {
-                    let key = format!("{key}[{k}]");
-                    self.0.extend(table.span().map(|span| (key.clone(), span)));
-                    self.take_table(table, &key);
-                }
-                if let (1, Some(one)) = (tables.len(), tables.get(0)) {
-                    self.take_table(one, key);
-                }
-            }
+        self.0.extend(item.span().map(|span| (key.to_string(), span)));
+        let entries: Vec<Entry<'_>> = match item {
+            Item::ArrayOfTables(tables) => tables.iter().map(|table| (table.span(), Some(table as _))).collect(),
             Item::Value(Value::Array(values)) => {
-                for (k, value) in values.iter().enumerate() {
-                    let key = format!("{key}[{k}]");
-                    self.0.extend(value.span().map(|span| (key.clone(), span)));
-                    if let Some(table) = value.as_inline_table() {
-                        self.take_table(table, &key);
-                    }
-                }
-                if let (1, Some(Value::InlineTable(one))) = (values.len(), values.get(0)) {
-                    self.take_table(one, key);
-                }
+                values.iter().map(|value| (value.span(), value.as_inline_table().map(|table| table as _))).collect()
             }
-            _ => {
-                if let Some(table) = item.as_table_like() {
-                    self.take_table(table, key);
-                }
+            _ => return item.as_table_like().into_iter().for_each(|table| self.take_table(table, key)),
+        };
+        for (k, (span, table)) in entries.iter().enumerate() {
+            let key = format!("{key}[{k}]");
+            self.0.extend(span.clone().map(|span| (key.clone(), span)));
+            if let Some(table) = table {
+                self.take_table(*table, &key);
             }
+        }
+        if let [(_, Some(only))] = entries[..] {
+            self.take_table(only, key);
         }
     }
 }

@@ -119,8 +119,7 @@ pub enum SegmentEnd {
 }
 
 /// The end of the quasi-static motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct PathEnd {
     /// The time of the end, s.
     pub time: f64,

@@ -14,8 +14,7 @@ use crate::solver::history::Error;
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
 
 /// The multiple of the friction that makes the rate problem singular, along given contact statuses.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct CriticalFriction {
     /// `κ_c`: the smallest multiple of the present friction at which the rate problem is singular. It is infinite if
     /// there is none, and 0 if the rate problem is singular without friction, for example because nothing but

@@ -2,12 +2,12 @@
 
 use std::env;
 use std::process::ExitCode;
-use stickslip::algebra::linear::process::OrderlyEnd;
+use stickslip::algebra::linear::process::ReportingAllocator;
 use stickslip_cli::commands::{Invocation, main as run};
 
 /// Makes the program end with a message and its own exit status if memory is refused.
 #[global_allocator]
-static ALLOCATOR: OrderlyEnd = OrderlyEnd;
+static ALLOCATOR: ReportingAllocator = ReportingAllocator;
 
 fn main() -> ExitCode {
     let mut arguments = env::args_os();

@@ -3,6 +3,7 @@
 use super::global::Parts;
 use super::reduction::{Reduction, ReductionError};
 use super::{GlobalProblem, Info, Problem, ProblemFile, Solution};
+use crate::checks::expect_size;
 use stickslip::algebra::Csc;
 use stickslip::base::InputError;
 use stickslip::solver::{ContactProblem, Increment, ProblemError, State};
@@ -27,9 +28,7 @@ pub fn export(
     for (key, values) in
         [("gap", increment.gap), ("mu", increment.mu), ("w_t", increment.w_t_last), ("w_o", increment.w_o_last)]
     {
-        if values.len() != n_c {
-            return Err(InputError::new(key, format!("it has {} entries, but must have {n_c}", values.len()), help));
-        }
+        expect_size(key, "entries", n_c, values.len(), help)?;
     }
     let wrong = |error: stickslip::algebra::MatrixError| InputError::new("problem", error.to_string(), help);
     let stiffness = problem.stiffness().assembled().map_err(|error| refused(error.into()))?;

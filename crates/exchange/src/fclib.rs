@@ -190,9 +190,7 @@ fn local(file: &File) -> Result<LocalProblem, InputError> {
     friction_fits("fclib_local/vectors/mu", dimension, rows, coefficients)?;
     let [q, mu] = vectors.read(file)?;
     let delassus = matrix(file, "fclib_local/W", rows, rows)?;
-    let help = "q has one number for each direction of each contact, mu one for each contact";
     LocalProblem::new(dimension, delassus, q, mu)
-        .map_err(|error| InputError::new("group fclib_local", error.to_string(), help))
 }
 
 /// Reads the solution of `problem` at `path`. Returns `None` unless all vectors of such a problem exist and were

@@ -1,6 +1,7 @@
 //! The global problem: the unknowns of bodies, and the forces between them.
 
 use super::{Problem, Solution};
+use crate::checks::{expect_dimension, expect_finite, expect_friction, expect_size};
 use stickslip::algebra::{Csc, Csr, Symmetric};
 use stickslip::base::InputError;
 use stickslip::solver::{ContactProblem, LoadCase, Loading, Motion, Parts as ContactParts, ProblemError};
@@ -31,21 +32,6 @@ pub struct Parts {
     pub constraints: usize,
 }
 
-fn fault(key: &str, message: String, help: &str) -> InputError {
-    InputError::new(key, message, help)
-}
-
-fn finite(key: &str, values: impl Iterator<Item = f64>) -> Result<(), InputError> {
-    match values.enumerate().find(|(_, value)| !value.is_finite()) {
-        None => Ok(()),
-        Some((place, value)) => Err(fault(
-            key,
-            format!("entry {place} is {value}, but must be finite"),
-            "give a number other than nan or inf",
-        )),
-    }
-}
-
 impl GlobalProblem {
     /// Creates a problem from its parts. It may have no contact at all.
     ///
@@ -53,15 +39,9 @@ impl GlobalProblem {
     /// [`InputError`] of an array of wrong length, with a number that is not finite, or with a negative μ.
     pub fn new(parts: Parts) -> Result<Self, InputError> {
         let Parts { dimension, m, h, f, w, mu, constraints } = &parts;
-        if !matches!(dimension, 2 | 3) {
-            return Err(fault(
-                "dimension",
-                format!("it is {dimension}"),
-                "the dimension is 2 in the plane, 3 in space",
-            ));
-        }
+        expect_dimension(*dimension)?;
         if f.is_empty() || *constraints >= f.len() {
-            return Err(fault("f", "there is no unknown".to_string(), "give a body an unknown, or the local problem"));
+            return Err(InputError::new("f", "there is no unknown", "give a body an unknown, or the local problem"));
         }
         let (n, rows) = (f.len(), mu.len().saturating_mul(*dimension));
         let sizes = [
@@ -71,21 +51,11 @@ impl GlobalProblem {
             ("H", "columns", rows, h.pattern().columns()),
             ("w", "entries", rows, w.len()),
         ];
-        for (key, what, expected, found) in sizes {
-            if expected != found {
-                let message = format!("it has {found} {what}, but must have {expected}");
-                let help = "M has a row for each entry of f, H and w have d for each entry of mu";
-                return Err(fault(key, message, help));
-            }
-        }
-        finite("M", m.values().iter().copied())?;
-        finite("H", h.values().iter().copied())?;
-        finite("f", f.iter().copied())?;
-        finite("w", w.iter().copied())?;
-        finite("mu", mu.iter().copied())?;
-        if let Some((place, mu)) = mu.iter().enumerate().find(|(_, mu)| **mu < 0.0) {
-            return Err(fault("mu", format!("entry {place} is {mu}"), "a coefficient of friction is 0 or more"));
-        }
+        let help = "M has a row for each entry of f, H and w have d for each entry of mu";
+        sizes.into_iter().try_for_each(|(key, what, expected, found)| expect_size(key, what, expected, found, help))?;
+        let arrays = [("M", m.values()), ("H", h.values()), ("f", f), ("w", w)];
+        arrays.into_iter().try_for_each(|(key, values)| expect_finite(key, values))?;
+        expect_friction(mu)?;
         Ok(GlobalProblem { parts })
     }
 
@@ -199,11 +169,9 @@ impl Solution {
         let rows = problem.contacts() * problem.dimension();
         let arrays = [("v", problem.unknowns(), &self.v), ("r", rows, &self.r), ("u", rows, &self.u)];
         for (key, expected, values) in arrays {
-            if values.len() != expected {
-                let message = format!("it has {} entries, but the problem needs {expected}", values.len());
-                return Err(fault(key, message, "give a solution of this problem, in the same form: global or local"));
-            }
-            finite(key, values.iter().copied())?;
+            let help = "give a solution of this problem, in the same form: global or local";
+            expect_size(key, "entries", expected, values.len(), help)?;
+            expect_finite(key, values)?;
         }
         Ok(())
     }

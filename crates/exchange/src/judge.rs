@@ -15,95 +15,10 @@
 //!
 //! Rounding `v` to double precision changes `M v` by `ε |M| |v|`, which does not count as an error.
 
-mod laws;
-
 use super::{GlobalProblem, Problem, Solution};
-use crate::local::{LocalErrors, SOLVED};
-use laws::{Scales, laws, raise, relative};
-use serde::{Deserialize, Serialize};
+use crate::measure::{Errors, Scales, raise, relative};
 use stickslip::algebra::{DoubleDouble, UnionFind};
 use stickslip::base::InputError;
-
-/// The tolerance: a problem counts as solved if no error exceeds it.
-pub const TOLERANCE: f64 = SOLVED;
-
-/// The violation of each law, the largest over all rows and contacts, without units.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-pub struct Errors {
-    /// Imbalance of the forces on the bodies, `M v = f + H r`; for a local problem error of `u = W r + q`.
-    pub equilibrium: f64,
-    /// Difference between the velocities and those of the bodies, `u = Hᵀ v + w`; 0 for a local problem.
-    pub velocities: f64,
-    /// Penetration, tension, or a pressure across a gap.
-    pub normal: f64,
-    /// Friction beyond Coulomb's cone.
-    pub cone: f64,
-    /// Slip without full friction opposing it.
-    pub dissipation: f64,
-    /// The natural map: all laws of a contact in one number.
-    pub natural_map: f64,
-    /// The contact where the natural map is largest, from 0.
-    pub contact: usize,
-}
-
-/// A law of [`Errors`], with its meaning.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Law {
-    /// The name of the law and of its field.
-    pub name: &'static str,
-    /// The requirement.
-    pub demands: &'static str,
-    /// The meaning of its violation.
-    pub violation: &'static str,
-}
-
-const fn law(name: &'static str, demands: &'static str, violation: &'static str) -> Law {
-    Law { name, demands, violation }
-}
-
-const LAWS: [Law; 6] = [
-    law("equilibrium", "forces and velocities are consistent", "forces and velocities are not consistent"),
-    law("velocities", "u = H'v + w", "the relative velocities are not those of the bodies"),
-    law(
-        "normal",
-        "no penetration, no tension, no pressure across a gap",
-        "a contact penetrates, pulls, or presses across a gap",
-    ),
-    law("cone", "|r_T| <= mu r_N", "friction is larger than mu times the pressure"),
-    law("dissipation", "full friction opposes slip", "a contact slips without full friction opposing it"),
-    law("natural_map", "all laws of a contact", "the laws of a contact are violated"),
-];
-
-impl Errors {
-    /// Returns every law with its violation.
-    pub fn laws(&self) -> [(Law, f64); 6] {
-        let Errors { equilibrium, velocities, normal, cone, dissipation, natural_map, .. } = *self;
-        let errors = [equilibrium, velocities, normal, cone, dissipation, natural_map];
-        std::array::from_fn(|k| (LAWS[k], errors[k]))
-    }
-
-    /// Returns the largest error of equilibrium, velocities and natural map. The natural map includes the laws of
-    /// single contacts.
-    pub fn worst(&self) -> f64 {
-        let mut worst = self.natural_map;
-        raise(&mut worst, self.equilibrium);
-        raise(&mut worst, self.velocities);
-        worst
-    }
-
-    /// Returns `true` if all laws hold within [`TOLERANCE`], and `false` if an error is NaN.
-    pub fn is_solved(&self) -> bool {
-        self.worst() <= TOLERANCE
-    }
-}
-
-impl From<LocalErrors> for Errors {
-    fn from(errors: LocalErrors) -> Self {
-        let LocalErrors { equilibrium, normal, cone, dissipation, natural_map, contact, .. } = errors;
-        Errors { equilibrium, velocities: 0.0, normal, cone, dissipation, natural_map, contact }
-    }
-}
 
 /// Returns the errors of `solution`.
 ///
@@ -113,12 +28,7 @@ pub fn judge(problem: &Problem, solution: &Solution) -> Result<Errors, InputErro
     solution.check(problem)?;
     match problem {
         Problem::Global(problem) => Ok(global(problem, solution)),
-        Problem::Local(problem) => {
-            let errors = problem.errors(&solution.r, Some(&solution.u));
-            Ok(errors
-                .map_err(|error| InputError::new("solution", error.to_string(), "give a solution of this problem"))?
-                .into())
-        }
+        Problem::Local(problem) => problem.errors(&solution.r, Some(&solution.u)),
     }
 }
 
@@ -171,17 +81,14 @@ fn global(problem: &GlobalProblem, Solution { v, r, u }: &Solution) -> Errors {
         raise(&mut own.velocity, velocity.abs() / unit);
         raise(&mut own.force, r[k].abs() * unit);
     }
-    let scales = of_contact.iter().zip(&unit).map(|(&part, unit)| {
-        let Scales { force, velocity } = largest[part];
-        Scales { force: force / unit, velocity: velocity * unit }
-    });
-    let scales: Vec<Scales> = scales.collect();
+    let scales: Vec<Scales> =
+        of_contact.iter().zip(&unit).map(|(&part, &unit)| largest[part].of_contact(unit)).collect();
     for (k, mut exact) in exact.into_iter().enumerate() {
         exact.add(problem.w()[k]);
         exact.add(-u[k]);
         raise(&mut errors.velocities, relative(exact.value(), scales[k / d].velocity));
     }
-    laws(d, problem.mu(), &scales, r, u, &mut errors);
+    errors.add_laws(d, problem.mu(), &scales, r, u);
     errors
 }
 

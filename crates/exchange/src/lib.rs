@@ -16,7 +16,8 @@
 //! | `fclib.rs` | FCLIB's groups and datasets, read and written |
 //! | `siconos.rs` | the text of Siconos |
 //! | `global.rs`, `reduction.rs` | the global problem, as a [`ContactProblem`](stickslip::solver::ContactProblem) and as a local one |
-//! | `judge.rs` | the error measure of any solution |
+//! | `measure.rs`, `judge.rs` | the error measure of any solution |
+//! | `checks.rs` | checks of sizes and numbers that both kinds of problems share |
 //! | `solve.rs` | from a problem to a solution with its verdict |
 //! | `export.rs` | an increment of ours as a problem for other programs |
 //!
@@ -32,6 +33,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod checks;
 mod error;
 mod export;
 mod fclib;
@@ -39,6 +41,7 @@ mod global;
 mod hdf5;
 mod judge;
 pub mod local;
+mod measure;
 mod reduction;
 mod siconos;
 mod solve;
@@ -51,9 +54,10 @@ pub use error::ExchangeError;
 pub use export::{export, export_local};
 pub use global::{GlobalProblem, Parts};
 pub use hdf5::Hdf5Error;
-pub use judge::{Errors, Law, TOLERANCE, judge};
+pub use judge::judge;
+pub use measure::{Errors, Law, TOLERANCE};
 pub use reduction::{Reduction, ReductionError};
-pub use solve::{Answer, SolveError, Stage, Way, solve, solve_by};
+pub use solve::{Answer, SolveError, Stage, Strategy, solve, solve_by};
 
 /// A problem with the other content of its file.
 #[derive(Debug, Clone)]

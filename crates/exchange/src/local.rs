@@ -10,7 +10,7 @@
 //! notation of [`stickslip::ContactProblem`], `r_N = p_n`, `r_T = -p_T`, `u_N = g - w_n` and `u_T = w_T - w̄_T`.
 //!
 //! `W` may be semidefinite, singular or not symmetric. If rigid bodies touch in more places than they have motions,
-//! their contact forces are not unique. [`solve`] tries several methods until the independent [measure](LocalErrors)
+//! their contact forces are not unique. [`solve`] tries several methods until the independent [measure](Errors)
 //! shows that the laws hold. None of them changes the problem.
 //!
 //! ```
@@ -27,7 +27,6 @@
 //! ```
 
 mod cascade;
-mod error;
 mod errors;
 mod factors;
 mod interior;
@@ -43,12 +42,12 @@ mod sweeps;
 mod system;
 
 pub use cascade::solve;
-pub use error::LocalProblemError;
-use error::{expect_finite, expect_length};
-pub use errors::{LocalErrors, SOLVED};
 pub use record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 
+use crate::checks::{expect_dimension, expect_finite, expect_friction, expect_size};
+use crate::measure::Errors;
 use stickslip::algebra::Csc;
+use stickslip::base::InputError;
 
 /// The problem `u = W r + q` with the laws of contact and friction. It is valid, because [`LocalProblem::new`] checks
 /// it.
@@ -66,25 +65,18 @@ impl LocalProblem {
     /// contact at all.
     ///
     /// # Errors
-    /// [`LocalProblemError`] names an array of wrong length, with a number that is not finite, or with a negative μ.
-    pub fn new(dimension: usize, delassus: Csc, q: Vec<f64>, mu: Vec<f64>) -> Result<Self, LocalProblemError> {
-        if !matches!(dimension, 2 | 3) {
-            return Err(LocalProblemError::Dimension { dimension });
-        }
+    /// [`InputError`] names an array of wrong length, with a number that is not finite, or with a negative μ.
+    pub fn new(dimension: usize, delassus: Csc, q: Vec<f64>, mu: Vec<f64>) -> Result<Self, InputError> {
+        expect_dimension(dimension)?;
         let n = mu.len().saturating_mul(dimension);
         let (rows, columns) = (delassus.pattern().rows(), delassus.pattern().columns());
-        for (array, found) in [("rows of the Delassus matrix", rows), ("columns of the Delassus matrix", columns)] {
-            expect_length(array, n, found)?;
+        for (key, what, found) in [("W", "rows", rows), ("W", "columns", columns), ("q", "entries", q.len())] {
+            expect_size(key, what, n, found, "W and q have a row for each direction of each contact in mu")?;
         }
-        expect_length("q", n, q.len())?;
-        if let Some((row, column, value)) = delassus.entries().find(|(_, _, value)| !value.is_finite()) {
-            return Err(LocalProblemError::Entry { row, column, value });
-        }
+        expect_finite("W", delassus.values())?;
         expect_finite("q", &q)?;
-        match mu.iter().enumerate().find(|(_, mu)| !(mu.is_finite() && **mu >= 0.0)) {
-            Some((place, &value)) => Err(LocalProblemError::Friction { place, value }),
-            None => Ok(LocalProblem { dimension, delassus, q, mu }),
-        }
+        expect_friction(&mu)?;
+        Ok(LocalProblem { dimension, delassus, q, mu })
     }
 
     /// Returns `d`, the dimension: 2 in the plane and 3 in space.
@@ -117,20 +109,15 @@ impl LocalProblem {
     ///
     /// # Errors
     /// When an array has a wrong length, or a number is not finite.
-    pub fn errors(&self, r: &[f64], u: Option<&[f64]>) -> Result<LocalErrors, LocalProblemError> {
+    pub fn errors(&self, r: &[f64], u: Option<&[f64]>) -> Result<Errors, InputError> {
         self.check("r", r)?;
-        if let Some(u) = u {
-            self.check("u", u)?;
-        }
-        Ok(match u {
-            Some(u) => errors::measure_given(self, r, u),
-            None => errors::measure(self, r),
-        })
+        u.map_or(Ok(()), |u| self.check("u", u))?;
+        Ok(errors::measure(self, r, u).0)
     }
 
     /// Returns an error unless there is one finite number for each row.
-    fn check(&self, array: &'static str, values: &[f64]) -> Result<(), LocalProblemError> {
-        expect_length(array, self.q.len(), values.len())?;
-        expect_finite(array, values)
+    fn check(&self, key: &str, values: &[f64]) -> Result<(), InputError> {
+        expect_size(key, "entries", self.q.len(), values.len(), "give a number for each direction of each contact")?;
+        expect_finite(key, values)
     }
 }

@@ -2,9 +2,10 @@
 //! (f + H r)`.
 
 use super::{GlobalProblem, Solution};
-use crate::local::{LocalProblem, LocalProblemError};
+use crate::local::LocalProblem;
 use stickslip::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
 use stickslip::algebra::{Csc, MatrixError};
+use stickslip::base::InputError;
 
 /// The largest number of rows of a local problem, whose matrix is full.
 const ROWS: usize = 20_000;
@@ -21,7 +22,7 @@ pub enum ReductionError {
     Matrix(#[from] MatrixError),
     /// The result is no valid local problem.
     #[error(transparent)]
-    Local(#[from] LocalProblemError),
+    Local(#[from] InputError),
     /// The Delassus matrix is full.
     #[error("{rows} rows of contacts are too many for a Delassus matrix, which is full: {ROWS} at most")]
     TooLarge {

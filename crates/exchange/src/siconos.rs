@@ -61,15 +61,13 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
     // A local problem may be followed by one more word. A second matrix is longer, unless the text is truncated.
     let second = ["0", "1", "2"].map(|kind| [kind.to_string(), first.rows.to_string(), rows.to_string()]);
     let goes_on = second.iter().any(|head| words.begin_with(head));
+    let at = |line: usize, fault: InputError| InputError { key: format!("line {line}, {}", fault.key), ..fault };
     let problem = if !goes_on && words.are_at_most(of_a_local_one.saturating_add(1)) {
         let q = words.numbers("q", rows)?;
         let mu = words.numbers("mu", contacts)?;
         let line = words.line();
         let delassus = first.sized("W", rows, rows)?;
-        let help = "mu is 0 or more, and all numbers are finite";
-        let fault =
-            |error: crate::local::LocalProblemError| InputError::new(format!("line {line}"), error.to_string(), help);
-        Problem::Local(LocalProblem::new(dimension, delassus, q, mu).map_err(fault)?)
+        Problem::Local(LocalProblem::new(dimension, delassus, q, mu).map_err(|fault| at(line, fault))?)
     } else {
         let second = matrix(&mut words)?;
         let f = words.numbers("q", first.rows)?;
@@ -78,8 +76,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
         let line = words.line();
         let (m, h) = (first.sized("M", f.len(), f.len())?, second.sized("H", f.len(), rows)?);
         let parts = Parts { dimension, m, h, f, w, mu, constraints: 0 };
-        let at = |fault: InputError| InputError { key: format!("line {line}, {}", fault.key), ..fault };
-        Problem::Global(GlobalProblem::new(parts).map_err(at)?)
+        Problem::Global(GlobalProblem::new(parts).map_err(|fault| at(line, fault))?)
     };
     if !words.are_at_most(1) {
         return Err(words.fault("more follows than the problem has", SIZES));

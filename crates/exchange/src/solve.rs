@@ -7,7 +7,7 @@
 use super::judge::judge;
 use super::reduction::{Reduction, ReductionError};
 use super::{Errors, GlobalProblem, Problem, Solution};
-use crate::local::{self, CascadeSettings, LocalProblem, LocalProblemError};
+use crate::local::{self, CascadeSettings, LocalProblem};
 use serde::{Deserialize, Serialize};
 use std::ops::ControlFlow;
 use stickslip::base::InputError;
@@ -33,8 +33,7 @@ pub struct Answer {
 }
 
 /// The work of one method.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Stage {
     /// The method.
     pub stage: String,
@@ -46,7 +45,7 @@ pub struct Stage {
 
 /// A solver of exchange problems.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Way {
+pub enum Strategy {
     /// All methods of [`solve`], one after the other, until a solution is found.
     Default,
     /// BN on the uncondensed system of a global problem.
@@ -59,18 +58,18 @@ pub enum Way {
     Sweeps,
 }
 
-impl Way {
+impl Strategy {
     /// All solvers.
-    pub const ALL: [Way; 5] = [Way::Default, Way::Whole, Way::Contacts, Way::Newton, Way::Sweeps];
+    pub const ALL: [Self; 5] = [Self::Default, Self::Whole, Self::Contacts, Self::Newton, Self::Sweeps];
 
     /// Returns the name.
     pub fn name(self) -> &'static str {
         match self {
-            Way::Default => "default",
-            Way::Whole => "whole",
-            Way::Contacts => "contacts",
-            Way::Newton => "newton",
-            Way::Sweeps => "sweeps",
+            Self::Default => "default",
+            Self::Whole => "whole",
+            Self::Contacts => "contacts",
+            Self::Newton => "newton",
+            Self::Sweeps => "sweeps",
         }
     }
 
@@ -78,9 +77,9 @@ impl Way {
     fn cascade(self) -> CascadeSettings {
         let all = CascadeSettings::default();
         match self {
-            Way::Default | Way::Whole | Way::Contacts => all,
-            Way::Newton => CascadeSettings { interior_iterations: 0, sweeps: 0, ..all },
-            Way::Sweeps => CascadeSettings { newton_iterations: 0, interior_iterations: 0, ..all },
+            Self::Default | Self::Whole | Self::Contacts => all,
+            Self::Newton => CascadeSettings { interior_iterations: 0, sweeps: 0, ..all },
+            Self::Sweeps => CascadeSettings { newton_iterations: 0, interior_iterations: 0, ..all },
         }
     }
 }
@@ -92,9 +91,6 @@ pub enum SolveError {
     /// A guess does not fit the problem.
     #[error(transparent)]
     Guess(#[from] InputError),
-    /// The local problem, or a guess for it, is invalid.
-    #[error(transparent)]
-    Local(#[from] LocalProblemError),
     /// Neither the uncondensed system nor the reduction can use such a matrix.
     #[error(transparent)]
     Reduction(#[from] ReductionError),
@@ -125,7 +121,7 @@ pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, Solv
     }
     let r = guess.map(|guess| &guess.r[..]);
     match problem {
-        Problem::Local(local) => on_contacts(Way::Default, problem, local, r),
+        Problem::Local(local) => on_contacts(Strategy::Default, problem, local, r),
         Problem::Global(global) => both(problem, global, r),
     }
 }
@@ -134,23 +130,28 @@ pub fn solve(problem: &Problem, guess: Option<&Solution>) -> Result<Answer, Solv
 ///
 /// # Errors
 /// As [`solve`].
-pub fn solve_by(way: Way, problem: &Problem, guess: Option<&Solution>) -> Result<Option<Answer>, SolveError> {
+pub fn solve_by(strategy: Strategy, problem: &Problem, guess: Option<&Solution>) -> Result<Option<Answer>, SolveError> {
     if let Some(guess) = guess {
         guess.check(problem)?;
     }
     let r = guess.map(|guess| &guess.r[..]);
-    match (way, problem) {
-        (Way::Default, _) => solve(problem, guess).map(Some),
-        (Way::Whole, Problem::Global(global)) => on_bodies(problem, global),
-        (Way::Whole, Problem::Local(_)) => Ok(None),
-        (_, Problem::Global(global)) => reduced(way, problem, global, r).map(Some),
-        (_, Problem::Local(local)) => on_contacts(way, problem, local, r).map(Some),
+    match (strategy, problem) {
+        (Strategy::Default, _) => solve(problem, guess).map(Some),
+        (Strategy::Whole, Problem::Global(global)) => on_bodies(problem, global),
+        (Strategy::Whole, Problem::Local(_)) => Ok(None),
+        (_, Problem::Global(global)) => reduced(strategy, problem, global, r).map(Some),
+        (_, Problem::Local(local)) => on_contacts(strategy, problem, local, r).map(Some),
     }
 }
 
 /// Solves a local problem by the cascade of a solver.
-fn on_contacts(way: Way, problem: &Problem, local: &LocalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
-    let (solution, stages) = cascade(way, local, guess)?;
+fn on_contacts(
+    strategy: Strategy,
+    problem: &Problem,
+    local: &LocalProblem,
+    guess: Option<&[f64]>,
+) -> Result<Answer, SolveError> {
+    let (solution, stages) = cascade(strategy, local, guess)?;
     let errors = judge(problem, &solution)?;
     Ok(Answer { solution, errors, stages })
 }
@@ -164,9 +165,14 @@ fn on_bodies(problem: &Problem, global: &GlobalProblem) -> Result<Option<Answer>
 }
 
 /// Reduces a global problem to its contacts and solves it by the cascade of a solver.
-fn reduced(way: Way, problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Result<Answer, SolveError> {
+fn reduced(
+    strategy: Strategy,
+    problem: &Problem,
+    global: &GlobalProblem,
+    guess: Option<&[f64]>,
+) -> Result<Answer, SolveError> {
     let mut reduction = Reduction::new(global)?;
-    let (Solution { r, .. }, stages) = cascade(way, reduction.local(), guess)?;
+    let (Solution { r, .. }, stages) = cascade(strategy, reduction.local(), guess)?;
     let solution = reduction.solution(r).map_err(ReductionError::from)?;
     let errors = judge(problem, &solution)?;
     Ok(Answer { solution, errors, stages })
@@ -177,7 +183,7 @@ fn both(problem: &Problem, global: &GlobalProblem, guess: Option<&[f64]>) -> Res
     if let Some(answer) = first.as_ref().filter(|answer| answer.is_solved()) {
         return Ok(answer.clone());
     }
-    match (first, reduced(Way::Default, problem, global, guess)) {
+    match (first, reduced(Strategy::Default, problem, global, guess)) {
         (None, reduced) => reduced,
         (Some(first), Err(_)) => Ok(first),
         (Some(first), Ok(second)) => {
@@ -231,11 +237,11 @@ fn of_state(global: &GlobalProblem, state: &State) -> Solution {
 
 /// Solves a local problem by the cascade.
 fn cascade(
-    way: Way,
+    strategy: Strategy,
     problem: &LocalProblem,
     guess: Option<&[f64]>,
-) -> Result<(Solution, Vec<Stage>), LocalProblemError> {
-    let solved = local::solve(problem, &way.cascade(), guess)?;
+) -> Result<(Solution, Vec<Stage>), InputError> {
+    let solved = local::solve(problem, &strategy.cascade(), guess)?;
     let stage = |record: &local::StageRecord| Stage {
         stage: record.stage.to_string(),
         iterations: record.iterations,

@@ -4,7 +4,8 @@ pub(super) mod axis;
 
 pub use axis::Scale;
 
-use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite, text_width};
+use super::svg::{Anchor, Colour, Line, Marker, PlotError, Svg, expect_finite, text_width};
+use super::svg::{BLACK, GREY, LABEL_SIZE, NUMBER_SIZE, THIN, WIDTH};
 use axis::Ticks;
 
 /// A chart of one or more panels with the same horizontal axis and, unless a panel has its own, the same vertical one.
@@ -80,7 +81,6 @@ pub fn curve_style(k: usize) -> ([u8; 3], Marker) {
     (COLOURS[k % COLOURS.len()], MARKERS[k % MARKERS.len()])
 }
 
-const WIDTH: f64 = 960.0;
 /// The space left of the first panel, for the axis label and the numbers.
 const LEFT: f64 = 92.0;
 /// The space left of the other panels, for the numbers.
@@ -98,14 +98,6 @@ const LEGEND_ROW: f64 = 24.0;
 const SAMPLE: f64 = 38.0;
 const GAP: f64 = 22.0;
 
-const TITLE_SIZE: f64 = 18.0;
-const LABEL_SIZE: f64 = 15.0;
-const NUMBER_SIZE: f64 = 13.5;
-
-const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
-
-const BLACK: Colour = [0, 0, 0];
-const GREY: Colour = [120, 120, 120];
 const GRID: Colour = [228, 228, 228];
 
 /// The position of a panel, px.
@@ -145,9 +137,7 @@ impl Chart {
         let top = 66.0 + LEGEND_ROW * legend.len() as f64;
         let of_row = |row: &[Panel]| headings + row.iter().map(height_of).fold(0.0, f64::max) + BELOW;
         let pitches: Vec<f64> = self.panels.chunks(columns).map(of_row).collect();
-        let mut svg = Svg::new([WIDTH, top + pitches.iter().sum::<f64>() + 34.0]);
-        svg.text([0.5 * WIDTH, 24.0], &self.title, TITLE_SIZE, Anchor::Bold);
-        svg.text([0.5 * WIDTH, 48.0], &self.subtitle, LABEL_SIZE, Anchor::Middle);
+        let mut svg = Svg::headed(top + pitches.iter().sum::<f64>() + 34.0, &self.title, &self.subtitle);
         for (row, entries) in legend.iter().enumerate() {
             draw_legend(&mut svg, 74.0 + LEGEND_ROW * row as f64, entries);
         }
@@ -208,8 +198,7 @@ impl Chart {
         if scale == Scale::Linear && y.from < 0.0 && y.to > 0.0 {
             svg.line(&[[left, up(y.share(0.0))], [right, up(y.share(0.0))]], THIN, GREY);
         }
-        let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
-        svg.line(&corners, THIN, BLACK);
+        svg.frame([left, top], [right, bottom], BLACK);
         let place = |&[a, b]: &[f64; 2]| Some([across(x.share(self.x.scale.map(a)?)), up(y.share(scale.map(b)?))]);
         for curve in panel.curves.iter().rev() {
             let points: Vec<[f64; 2]> = curve.points.iter().filter_map(place).collect();
@@ -296,6 +285,7 @@ impl Curve {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::svg::Dash;
 
     fn chart(scale: Scale, points: &[[f64; 2]]) -> Chart {
         let curve = |label: &str| Curve {

@@ -1,14 +1,10 @@
 //! The colours of a stress in bands with round limits, and their bar.
 
 use super::chart::axis::number_to;
-use super::svg::{Anchor, Colour, Dash, Line, Svg};
+use super::svg::{Anchor, BLACK, Colour, LABEL_SIZE, NUMBER_SIZE, Svg, THIN};
 
 /// The width of the bar, px.
 const BAR: f64 = 20.0;
-const LABEL_SIZE: f64 = 15.0;
-const NUMBER_SIZE: f64 = 13.5;
-const BLACK: Colour = [0, 0, 0];
-const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
 /// Viridis of matplotlib (van der Walt and Smith, CC0) at ten equal distances: these ten numbers are all that a crate
 /// of colour maps would give. Its lightness grows evenly, so that it can be read without colours.
@@ -94,9 +90,9 @@ impl Bands {
         let height = |limit: usize| bottom - limit as f64 / self.count as f64 * (bottom - top);
         for band in 0..self.count {
             let (low, high) = (height(band), height(band + 1));
-            svg.polygon(&[[from, low], [to, low], [to, high], [from, high]], self.colour(band));
+            svg.rectangle([from, low], [to, high], self.colour(band));
         }
-        svg.line(&[[from, top], [to, top], [to, bottom], [from, bottom], [from, top]], THIN, BLACK);
+        svg.frame([from, top], [to, bottom], BLACK);
         // On a low bar, not every limit has room for its number.
         let stride = (1.2 * NUMBER_SIZE * self.count as f64 / (bottom - top)).ceil().max(1.0) as usize;
         for limit in 0..=self.count {

@@ -4,9 +4,8 @@ use super::unrolled::Cylinder;
 use std::collections::BTreeMap;
 use stickslip::algebra::{across, axis, axis_across, cross, dot, norm, plus, unit};
 use stickslip::base::UnitSystem;
-use stickslip::body::ContactBoundary;
-use stickslip::body::Model;
 use stickslip::body::mesh::Facet;
+use stickslip::body::{ContactBoundary, Model};
 use stickslip::solver::ContactStatus;
 use stickslip::solver::history::IncrementView;
 

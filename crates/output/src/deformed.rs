@@ -5,6 +5,7 @@ use super::colours::Bands;
 use super::largest::{first_largest, is_equal};
 use super::mesh_lines::MeshLines;
 use super::svg::{Anchor, Colour, Dash, Line, PlotError, Svg, expect_finite};
+use super::svg::{BLACK, LABEL_SIZE, NUMBER_SIZE, THIN, WIDTH};
 use super::visible::{Visibility, visibility};
 use std::collections::BTreeMap;
 use stickslip::algebra::{cross, dot, minus, norm, unit};
@@ -37,7 +38,6 @@ pub struct DeformedBody {
     pub units: UnitSystem,
 }
 
-const WIDTH: f64 = 960.0;
 const LEFT: f64 = 40.0;
 /// The space right of the body, for the colour bar.
 const RIGHT: f64 = 150.0;
@@ -47,13 +47,8 @@ const BELOW: f64 = 84.0;
 const MAX_HEIGHT: f64 = 720.0;
 /// The minimum height of the colour bar.
 const LEAST_BAR: f64 = 160.0;
-const TITLE_SIZE: f64 = 18.0;
-const LABEL_SIZE: f64 = 15.0;
-const NUMBER_SIZE: f64 = 13.5;
 
-const BLACK: Colour = [0, 0, 0];
 const BEFORE: Colour = [205, 80, 10];
-const THIN: Line = Line { dash: Dash::Solid, width: 0.6 };
 const DASHED: Line = Line { dash: Dash::Dashed, width: 1.2 };
 
 /// The drawn length of the longest displacement, about, relative to the size of the body.
@@ -136,8 +131,6 @@ impl DeformedBody {
         let at = |[x, y]: [f64; 2]| [start + scale * (x - left), bottom - scale * (y - low)];
         // A flat body leaves room for the colour bar.
         let floor = bottom.max(TOP + LEAST_BAR);
-        let mut svg = Svg::new([WIDTH, floor + BELOW]);
-        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
         let shown = match self.magnification {
             1.0 => "as they are".to_string(),
             factor => format!("magnified {factor} times"),
@@ -145,7 +138,7 @@ impl DeformedBody {
         let units = self.units.of_pictures();
         let largest = self.units.rounded(Quantity::Length, self.largest, 4);
         let subtitle = format!("t = {} s, displacements {shown}, {largest} at most", six_digits(self.time));
-        svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
+        let mut svg = Svg::headed(floor + BELOW, title, &subtitle);
         let patch = |(corners, stress): &(Vec<[f64; 2]>, f64)| {
             (corners.iter().map(|x| at(*x)).collect::<Vec<_>>(), units.of_si(Quantity::Stress, *stress))
         };

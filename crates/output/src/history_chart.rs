@@ -1,11 +1,10 @@
 //! Charts of a history: the forces on the obstacles over time, and the iterations of each increment.
 
 use super::chart::{Axis, Chart, Curve, Panel, Scale};
-use super::svg::{Dash, Line, Marker};
+use super::svg::{BLACK, Dash, Line, Marker};
 use stickslip::base::Quantity;
 use stickslip::run::report::{ForceCurves, HistoryCurves, RunReport, Thinned};
 
-const BLACK: [u8; 3] = [0, 0, 0];
 const COMPONENTS: [(&str, [u8; 3], Dash); 3] = [
     ("along x", [200, 50, 32], Dash::Solid),
     ("along y", [0, 90, 181], Dash::Dashed),

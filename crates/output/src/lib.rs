@@ -20,7 +20,6 @@ mod part;
 mod plot;
 mod pvd;
 mod pvtu;
-#[cfg(feature = "schema")]
 mod schema;
 mod svg;
 mod table;
@@ -41,10 +40,7 @@ pub use page::error::PageError;
 pub use page::{CHART_SCRIPT, MAX_STATES};
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
-#[cfg(feature = "schema")]
-pub use schema::run_schema;
-#[cfg(feature = "schema")]
-pub use schema::schema_of;
+pub use schema::{run_schema, schema_of};
 pub use svg::{Dash, Line, Marker, PlotError};
 pub use table::{Table, paragraph};
 pub use vtu::{Field, Grid, Values};

@@ -6,27 +6,16 @@ mod view;
 
 use super::largest::first_largest;
 use super::mesh_lines::MeshLines;
-use super::svg::{Anchor, Colour, Dash, Line, Marker, PlotError, Svg, expect_finite};
+use super::svg::{BLACK, Colour, GREY, Line, Marker, NUMBER_SIZE, PlotError, Svg, THIN, WHITE, expect_finite};
 use crate::{ContactSurface, SurfaceNode};
 use std::collections::BTreeMap;
 use stickslip::base::{Quantity, six_digits};
 use stickslip::solver::ContactStatus;
 use view::View;
 
-const WIDTH: f64 = 960.0;
-
-const TITLE_SIZE: f64 = 18.0;
-const LABEL_SIZE: f64 = 15.0;
-const NUMBER_SIZE: f64 = 13.5;
-
-const BLACK: Colour = [0, 0, 0];
-const GREY: Colour = [120, 120, 120];
-const WHITE: Colour = [255, 255, 255];
 const HELD: Colour = [176, 176, 176];
 const ALONE: Colour = [216, 216, 216];
 const TANGENTIAL: Colour = [205, 80, 10];
-
-const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 
 impl ContactSurface {
     /// Returns the part of the surface in contact, and a little around it, as an SVG picture. A patch is a node's part
@@ -39,11 +28,9 @@ impl ContactSurface {
         expect_finite(values)?;
         let surface = self.in_units();
         let view = View::new(&surface);
-        let mut svg = Svg::new([WIDTH, view.end()]);
-        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
         let boundary = self.boundary.as_ref().map_or(String::new(), |name| format!("boundary {name}, "));
         let subtitle = format!("contact stresses, {boundary}t = {} s", six_digits(self.time));
-        svg.text([0.5 * WIDTH, 48.0], &subtitle, LABEL_SIZE, Anchor::Middle);
+        let mut svg = Svg::headed(view.end(), title, &subtitle);
         view.draw_legend(&mut svg);
         view.draw_inside(&mut svg, |svg| {
             surface.draw_patches(svg, &view);

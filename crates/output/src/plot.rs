@@ -2,7 +2,7 @@
 
 use super::chart::{Axis, Chart, Curve, Note, Panel, Scale};
 use super::largest::first_largest;
-use super::svg::{Dash, Line, Marker, PlotError};
+use super::svg::{BLACK, Dash, Line, Marker, PlotError};
 use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::run::report::{ContactLine, ContactPoint};
 use stickslip::solver::ContactStatus;
@@ -12,7 +12,6 @@ const TANGENTIAL: [u8; 3] = [190, 70, 10];
 const BOUND: [u8; 3] = [110, 110, 110];
 const SLIP: [u8; 3] = [20, 130, 60];
 const GAP: [u8; 3] = [130, 60, 150];
-const BLACK: [u8; 3] = [0, 0, 0];
 
 /// Draws the contact stresses along a contact line as an SVG picture, see [`stress_chart`], with the largest pressure
 /// marked, and below them slip and gap.

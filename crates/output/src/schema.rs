@@ -5,8 +5,7 @@ use schemars::transform::{Transform, transform_subschemas};
 use schemars::{JsonSchema, Schema};
 use serde_json::{Value, json};
 
-use stickslip::run::report::RunReport;
-use stickslip::run::report::UnitNames;
+use stickslip::run::report::{RunReport, UnitNames};
 
 /// Returns the JSON Schema (draft 2020-12) of [`RunReport`], the content of `run.json` and the output of `run --json`.
 pub fn run_schema() -> Value {

@@ -12,8 +12,16 @@ const OUTLINE: f64 = 1.4;
 const SEAM: f64 = 0.7;
 /// Half the size of the cross at a marked point.
 const CROSS: f64 = 4.5;
-const BLACK: Colour = [0, 0, 0];
-const WHITE: Colour = [255, 255, 255];
+/// The width of every picture, px.
+pub(super) const WIDTH: f64 = 960.0;
+/// The sizes of letters.
+const TITLE_SIZE: f64 = 18.0;
+pub(super) const LABEL_SIZE: f64 = 15.0;
+pub(super) const NUMBER_SIZE: f64 = 13.5;
+pub(super) const BLACK: Colour = [0, 0, 0];
+pub(super) const GREY: Colour = [120, 120, 120];
+pub(super) const WHITE: Colour = [255, 255, 255];
+pub(super) const THIN: Line = Line { dash: Dash::Solid, width: 1.0 };
 /// The distance of the baseline below the middle of the letters, in font sizes.
 const HALF_A_LETTER: f64 = 0.35;
 
@@ -86,6 +94,14 @@ pub(super) struct Svg {
 }
 
 impl Svg {
+    /// Creates a white picture of this height, with a title and a second line that names the case.
+    pub(super) fn headed(height: f64, title: &str, subtitle: &str) -> Self {
+        let mut svg = Svg::new([WIDTH, height]);
+        svg.text([0.5 * WIDTH, 24.0], title, TITLE_SIZE, Anchor::Bold);
+        svg.text([0.5 * WIDTH, 48.0], subtitle, LABEL_SIZE, Anchor::Middle);
+        svg
+    }
+
     /// Creates a white picture.
     pub(super) fn new(size: [f64; 2]) -> Self {
         let [width, height] = size.map(f64::ceil);
@@ -128,9 +144,20 @@ impl Svg {
     }
 
     /// Draws a filled polygon.
-    pub(super) fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
+    fn polygon(&mut self, corners: &[[f64; 2]], colour: Colour) {
         let (corners, colour) = (coordinates(corners), hex(colour));
         self.put(format_args!("<polygon points=\"{corners}\" fill=\"{colour}\"/>"));
+    }
+
+    /// Fills the rectangle between two opposite corners.
+    pub(super) fn rectangle(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour) {
+        self.polygon(&rectangle(from, to), colour);
+    }
+
+    /// Draws the sides of the rectangle between two opposite corners.
+    pub(super) fn frame(&mut self, from: [f64; 2], to: [f64; 2], colour: Colour) {
+        let [a, b, c, d] = rectangle(from, to);
+        self.line(&[a, b, c, d, a], THIN, colour);
     }
 
     /// Draws a filled polygon with a white edge.
@@ -161,7 +188,7 @@ impl Svg {
     pub(super) fn cross(&mut self, [x, y]: [f64; 2]) {
         let arm = |sign: f64| [[x - CROSS, y - sign * CROSS], [x + CROSS, y + sign * CROSS]];
         for (width, colour) in [(4.0, WHITE), (1.6, BLACK)] {
-            self.segments([arm(1.0), arm(-1.0)], Line { dash: Dash::Solid, width }, colour);
+            self.segments([arm(1.0), arm(-1.0)], Line { width, ..THIN }, colour);
         }
     }
 
@@ -223,6 +250,10 @@ impl Svg {
             "<text x=\"{x}\" y=\"{base}\" font-size=\"{size}\" fill=\"black\"{style}>\n{text}\n</text>"
         ));
     }
+}
+
+fn rectangle([left, top]: [f64; 2], [right, bottom]: [f64; 2]) -> [[f64; 2]; 4] {
+    [[left, top], [right, top], [right, bottom], [left, bottom]]
 }
 
 /// Returns the attributes of a line.

@@ -6,7 +6,7 @@
 use std::ffi::{c_int, c_void};
 use std::ptr::{self, NonNull};
 
-use super::process::blas::room;
+use super::process::blas::blas_buffer;
 use super::supernodal::{Supernodal, Supernode};
 use super::{FactorInfo, LinearError, ordering, sys, versions};
 use crate::algebra::sparse::{Csc, Pattern};
@@ -105,7 +105,7 @@ impl Session {
 
     /// Factors the symmetric matrix with this lower triangle in the given order.
     pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Result<Factor, LinearError> {
-        room::prepare()?;
+        blas_buffer::prepare()?;
         let mut permutation: Vec<i64> = order.iter().map(|&unknown| unknown as i64).collect();
         let common = self.common_mut();
         common.nmethods = 1;

@@ -139,7 +139,7 @@ impl Blocks {
     fn on_displacements(&self, groups: &[Local], row: fn(&Local, usize) -> &[f64]) -> Csr {
         let rows = self.groups.iter().zip(groups).flat_map(|(group, local)| {
             let entries = move |j| group.displacements.iter().copied().zip(row(local, j).iter().copied());
-            (0..local.moving()).map(entries)
+            (0..local.moving).map(entries)
         });
         Csr::of_rows(self.displacements, rows)
     }
@@ -178,7 +178,7 @@ impl Blocks {
         let mut sizes = Vec::with_capacity(order);
         for (group, local) in self.groups.iter().zip(groups) {
             let first = sizes.len();
-            for j in 0..local.moving() {
+            for j in 0..local.moving {
                 let own = local.own(j);
                 let column = matrix.col_as_slice_mut(first + j);
                 column[first..].iter_mut().zip(&own).for_each(|(to, own)| *to += own);
@@ -224,7 +224,7 @@ impl ContactFactors {
         let t = self.lu.solve(&projected);
         let (mut change, mut t) = (vec![0.0; m], &t[..]);
         for (group, local) in all() {
-            let (own, others) = t.split_at(local.moving());
+            let (own, others) = t.split_at(local.moving);
             t = others;
             let moved = local.moved(own);
             group.unknowns().zip(&moved).for_each(|(unknown, value)| x[unknown] += value);

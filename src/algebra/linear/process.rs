@@ -8,11 +8,11 @@
 //!   factorisations in space a third slower and dense products two to four times.
 //! - [`set_blas_threads`]: OpenBLAS and OpenMP would start as many threads as there are processors, for products too
 //!   small to gain from them.
-//! - `blas::room`: OpenBLAS asks for a buffer of 128 MiB until it gets one. If the memory is limited, that is forever. So
+//! - `blas::blas_buffer`: OpenBLAS asks for a buffer of 128 MiB until it gets one. If the memory is limited, that is forever. So
 //!   each thread asks for that much first, and then lets OpenBLAS map its buffer, before its first product.
 //! - [`blas_is_stuck`]: a thread that OpenBLAS starts when it is loaded may ask forever, too, and the process could not
 //!   end in the usual way.
-//! - [`OrderlyEnd`]: Rust aborts if an allocation that cannot fail is refused. The program then ends with a message, a
+//! - [`ReportingAllocator`]: Rust aborts if an allocation that cannot fail is refused. The program then ends with a message, a
 //!   JSON object if it was asked for, and its own exit status.
 
 #![allow(unsafe_code)]
@@ -21,7 +21,7 @@ mod allocator;
 pub(crate) mod blas;
 pub use blas::{Blas, KERNEL_VARIABLE};
 
-pub use allocator::{Last, OrderlyEnd, memory_was_refused, say_last};
+pub use allocator::{AbortReport, ReportingAllocator, memory_was_refused, set_abort_report};
 
 #[cfg(any(feature = "blas", all(target_os = "linux", target_env = "gnu")))]
 use std::ffi::c_int;
@@ -30,7 +30,7 @@ use std::ffi::c_int;
 use libloading::os::unix::Library;
 
 #[cfg(feature = "blas")]
-use blas::{loaded, room};
+use blas::{blas_buffer, loaded};
 
 /// Makes sure that the BLAS has its buffer for this thread before its first product there.
 ///
@@ -38,7 +38,7 @@ use blas::{loaded, room};
 /// [`LinearError::OutOfMemory`](super::LinearError) if the system refuses the memory.
 #[cfg(feature = "blas")]
 pub fn prepare_blas() -> Result<(), super::LinearError> {
-    room::prepare()
+    blas_buffer::prepare()
 }
 
 /// Sets the number of BLAS threads, and of OpenMP threads for this thread. Returns the name of the library that
@@ -59,7 +59,7 @@ pub fn set_blas_threads(threads: usize) -> Option<&'static str> {
 /// environment has no such thread.
 #[cfg(feature = "blas")]
 pub fn blas_is_stuck() -> bool {
-    room::is_stuck(&Library::this())
+    blas_buffer::is_stuck(&Library::this())
 }
 
 /// Makes the parallel regions of CHOLMOD that this thread reaches run in it; other threads are unaffected. Does
@@ -74,8 +74,8 @@ pub(crate) fn keep_openmp_in_this_thread() {
 #[cfg(feature = "blas")]
 fn set_openmp(process: &Library, threads: usize) {
     let count = c_int::try_from(threads.max(1)).unwrap_or(c_int::MAX);
-    let told = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];
-    for (symbol, value) in told {
+    let settings = [(&b"omp_set_max_active_levels\0"[..], c_int::from(count > 1)), (b"omp_set_num_threads\0", count)];
+    for (symbol, value) in settings {
         // SAFETY: the symbols are OpenMP's documented functions, which take a C int; zero levels and one thread are
         // valid.
         if let Ok(set) = unsafe { process.get::<unsafe extern "C" fn(c_int)>(symbol) } {

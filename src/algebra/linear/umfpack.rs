@@ -10,7 +10,7 @@ use std::ffi::c_void;
 use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
-use super::process::blas::room;
+use super::process::blas::blas_buffer;
 use super::{FactorInfo, LinearError, LinearSolver, expect_length, ordering, sys, versions};
 use crate::algebra::sparse::Pattern;
 
@@ -172,7 +172,7 @@ impl LinearSolver for Umfpack {
             return Err(LinearError::Order { missing: "analyze" });
         };
         expect_length("values of the matrix", pattern.len(), values.len())?;
-        room::prepare()?;
+        blas_buffer::prepare()?;
         // The old factors are dropped first: keeping both would double the peak memory.
         self.numeric = None;
         let mut info: Info = [0.0; INFO];

@@ -80,7 +80,7 @@ const MASSES: [(f64, &str); 4] = [(1e-6, "mg"), (1e-3, "g"), (1.0, "kg"), (1e3, 
 
 /// Returns the name of the unit of this size.
 fn named(size: Size, names: &[(f64, &'static str)]) -> Option<&'static str> {
-    let size = size.times(1.0);
+    let size = size.to_si(1.0);
     // Products are compared up to rounding.
     names.iter().find(|(known, _)| (size - known).abs() <= 1e-12 * known).map(|(_, name)| *name)
 }
@@ -116,12 +116,12 @@ impl UnitSystem {
 
     /// Converts `x` from these units to SI.
     pub fn to_si(&self, quantity: Quantity, x: f64) -> f64 {
-        self.size(quantity).times(x / self.thickness(quantity))
+        self.size(quantity).to_si(x / self.thickness(quantity))
     }
 
     /// Converts `x` from SI to these units.
     pub fn of_si(&self, quantity: Quantity, x: f64) -> f64 {
-        self.size(quantity).parts(x * self.thickness(quantity))
+        self.size(quantity).of_si(x * self.thickness(quantity))
     }
 
     /// Returns the thickness (m) if the body has one and SI numbers of `quantity` are per m of depth, otherwise 1.

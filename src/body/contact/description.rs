@@ -42,7 +42,7 @@ pub struct Rotation {
 }
 
 /// The normals along which the gaps of an obstacle are measured.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GapDirection {
     /// Along one normal for the whole boundary.

@@ -48,7 +48,7 @@ impl Part {
 }
 
 /// The kind of a coupling.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CouplingKind {
     /// The nodes move with the point as a rigid body, `u(x) = U + θ × (x - p)`. Abaqus: kinematic coupling; Nastran:

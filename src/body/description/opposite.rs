@@ -33,7 +33,7 @@ pub struct Opposite {
 }
 
 /// The boundary whose nodes carry the contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Slave {
     /// The boundary that is named first, unless supports hold all of it.

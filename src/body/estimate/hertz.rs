@@ -12,8 +12,7 @@ use crate::body::mesh::Geometry;
 use crate::body::model::Model;
 
 /// The Hertz contact of a rigid cylinder or sphere with a half-space.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct HertzContact {
     /// The half-width of the contact or its radius, m.
     pub half_width: f64,

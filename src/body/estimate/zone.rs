@@ -14,8 +14,7 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// The resolution of the contact on boundaries that share nodes or meet at a seam, at the time of their largest force.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct ContactEstimate {
     /// The names of the boundaries, separated by commas.
     pub boundary: String,
@@ -65,8 +64,7 @@ pub struct ContactEstimate {
 }
 
 /// The sticking part of the zone with the largest force.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct StickZone {
     /// The names of the boundaries, separated by commas.
@@ -81,8 +79,7 @@ pub struct StickZone {
 }
 
 /// The values of which a peak pressure is the maximum.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum PeakOf {
     /// Pressures of nodes.

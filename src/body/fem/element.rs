@@ -8,7 +8,7 @@ use crate::algebra::vector::{dot, norm};
 use crate::body::mesh::{CellKind, Geometry, Jacobian, Mesh, quadrature_of, shape};
 
 /// The element formulation: the relation between strain and nodal displacements.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Element {
     /// The strain of the displacements, for all shape functions: linear, quadratic, bilinear or trilinear. It locks as

@@ -30,16 +30,19 @@ pub struct Material {
 }
 
 /// The material of a group of elements.
-#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, rename = "material_group")]
 pub struct MaterialGroup {
     /// The group of the mesh.
     pub name: String,
     /// Young's modulus, Pa.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
     /// Mass density, kg/m³; default: that of the main material.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
     /// Coefficient of thermal expansion, 1/K; default: that of the main material.
     pub expansion: Option<f64>,
@@ -57,7 +60,7 @@ pub struct Layer {
 }
 
 /// The state of a body in two dimensions.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Plane {
     /// Plane strain, `ε_zz = 0`: a slice of a long body.

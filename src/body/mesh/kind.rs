@@ -6,7 +6,7 @@ use super::rules::{self, Rule};
 
 /// The kinds of cells. Nodes are in the order of VTK: first the corners, then, in cells of second order, the nodes at
 /// the middles of the edges, at last those within the cell.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum CellKind {
     /// Three corners, counterclockwise.

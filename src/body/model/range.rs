@@ -122,8 +122,7 @@ const SOLVED: f64 = 1e-10;
 const DISTANCE_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
 /// A contact node whose linearised distance from the obstacle is wrong.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct RangeLeft {
     /// The number of the node in the mesh, from 0.
     pub node: usize,

@@ -1,7 +1,7 @@
 //! Jumps: the end of a quasi-static motion.
 
 use super::prelude::*;
-use crate::run::report::ForceJump;
+use crate::run::force_jumps::ForceJump;
 
 /// Warns that contact forces jump in an increment.
 pub(super) fn of_forces(solved: &Solved<'_>) -> Option<Warning> {

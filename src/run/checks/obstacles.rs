@@ -1,8 +1,7 @@
 //! Obstacles that contact nodes miss.
 
 use super::prelude::*;
-use crate::body::model::TOLERATED_SHARE;
-use crate::body::model::{BetweenNodes, Overlap};
+use crate::body::model::{BetweenNodes, Overlap, TOLERATED_SHARE};
 
 /// The contact node deepest inside an obstacle that it does not meet.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -11,8 +11,7 @@ use crate::solver::history::IncrementView;
 /// The forces on the body at the end of an increment, except contact. Loads, supports and springs act on the body,
 /// contact forces ([`super::ForceRecord`]) on the obstacles. `balance` measures the sum of the first three minus the
 /// last.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct BalanceRecord {
     /// The increment, from 1.
@@ -46,8 +45,7 @@ pub struct BalanceRecord {
 }
 
 /// A force on the body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct AppliedForce {
     /// The boundary, the point or the coupling.
     pub at: String,
@@ -62,8 +60,7 @@ pub struct AppliedForce {
 }
 
 /// The reference point of a coupling.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct PointRecord {
     /// The name of the coupling.
     pub at: String,
@@ -79,8 +76,7 @@ pub struct PointRecord {
 }
 
 /// A section with a pretension.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct SectionRecord {
     /// The name of the pretension.
     pub at: String,

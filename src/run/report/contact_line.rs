@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::csv;
 use super::deformation::deformation;
 use super::principal::von_mises;
-use super::quantities;
+use super::quantities::Columns;
 use crate::algebra::vector::{dot, minus, norm};
 use crate::base::units::UnitSystem;
 use crate::body::contact::ContactBoundary;
@@ -123,96 +123,80 @@ impl ContactLine {
     /// Formats the nodes as CSV. In three dimensions additional columns appear among those of the plane. The obstacles
     /// come last.
     pub fn to_csv(&self) -> String {
-        let patches = self.points.iter().any(|point| point.sigma_patch.is_some());
+        let has_patches = self.points.iter().any(|point| point.sigma_patch.is_some());
         let is_there =
-            |column: &&Column| column.dimension <= self.dimension && (patches || column.name.name() != PATCH);
-        let columns: Vec<&Column> = COLUMNS.iter().filter(is_there).collect();
-        let place: Vec<&Column> = PLACE.iter().filter(|column| column.dimension <= self.dimension).collect();
-        let surface: Vec<&Column> = SURFACE.iter().filter(|column| column.dimension <= self.dimension).collect();
-        let names = |columns: &[&Column]| columns.iter().map(|column| column.name.name()).collect::<Vec<_>>();
-        let mut header = [names(&columns), vec!["status"], names(&place), names(&surface)].concat();
+            |(name, dimension, _): &&NodeColumn| *dimension <= self.dimension && (has_patches || *name != PATCH);
+        let [before, behind] = [&BEFORE[..], &BEHIND].map(|all| all.iter().filter(is_there).collect::<Vec<_>>());
+        let names = |columns: &[&NodeColumn]| columns.iter().map(|column| column.0).collect::<Vec<_>>();
+        let mut header = [names(&before), vec!["status"], names(&behind)].concat();
         header.extend((!self.obstacles.is_empty()).then_some("obstacle"));
+        let [written_before, written_behind] =
+            [&before, &behind].map(|columns| Columns::new(&self.units, names(columns)));
         let row = |(k, p): (usize, &ContactPoint)| {
+            let values = |columns: &[&NodeColumn]| columns.iter().map(|column| (column.2)(p)).collect::<Vec<_>>();
             let status = match p.status {
                 ContactStatus::Open => "open",
                 ContactStatus::Stick => "stick",
                 ContactStatus::Slip => "slip",
             };
-            let numbers = |columns: &[&Column]| {
-                columns.iter().map(|column| column.name.cell(&self.units, (column.value)(p))).collect()
-            };
-            let numbers: [Vec<String>; 3] = [&columns, &place, &surface].map(|columns| numbers(columns));
-            let [values, place, surface] = numbers;
-            let obstacle = self.obstacles.get(k).cloned().into_iter().collect();
-            [values, vec![status.to_string()], place, surface, obstacle].concat()
+            let cells = written_before.cells(values(&before)).chain([status.to_string()]);
+            cells.chain(written_behind.cells(values(&behind))).chain(self.obstacles.get(k).cloned()).collect()
         };
         csv::table(&header, self.points.iter().enumerate().map(row))
     }
 }
 
-/// A column of numbers, written from this number of dimensions on.
-struct Column {
-    name: quantities::Column,
-    dimension: usize,
-    value: fn(&ContactPoint) -> f64,
-}
-
-/// Returns the column of this name, for the constants below.
-const fn known(name: &'static str) -> quantities::Column {
-    quantities::Column::of(name).expect("a column with a known quantity")
-}
+/// A column of numbers: its name, the number of dimensions from which on it is written, and its value.
+type NodeColumn = (&'static str, usize, fn(&ContactPoint) -> f64);
 
 /// The column that exists only with tetrahedra.
 const PATCH: &str = "sigma_patch";
 
-const COLUMNS: [Column; 19] = [
-    Column { name: known("x"), dimension: 2, value: |p| p.x },
-    Column { name: known("y"), dimension: 2, value: |p| p.y },
-    Column { name: known("z"), dimension: 3, value: |p| p.z },
-    Column { name: known("p_n"), dimension: 2, value: |p| p.p_n },
-    Column { name: known("p_t"), dimension: 2, value: |p| p.p_t },
-    Column { name: known("p_o"), dimension: 3, value: |p| p.p_o },
-    Column { name: known("sigma_n"), dimension: 2, value: |p| p.sigma_n },
-    Column { name: known("sigma_t"), dimension: 2, value: |p| p.sigma_t },
-    Column { name: known("sigma_o"), dimension: 3, value: |p| p.sigma_o },
-    Column { name: known(PATCH), dimension: 3, value: |p| p.sigma_patch.unwrap_or(f64::NAN) },
-    Column { name: known("w_n"), dimension: 2, value: |p| p.w_n },
-    Column { name: known("w_t"), dimension: 2, value: |p| p.w_t },
-    Column { name: known("w_o"), dimension: 3, value: |p| p.w_o },
-    Column { name: known("gap"), dimension: 2, value: |p| p.gap },
-    Column { name: known("slip_t"), dimension: 2, value: |p| p.slip_t },
-    Column { name: known("slip_o"), dimension: 3, value: |p| p.slip_o },
-    Column { name: known("f_x"), dimension: 2, value: |p| p.force[0] },
-    Column { name: known("f_y"), dimension: 2, value: |p| p.force[1] },
-    Column { name: known("f_z"), dimension: 3, value: |p| p.force[2] },
+/// The columns before the status.
+const BEFORE: [NodeColumn; 19] = [
+    ("x", 2, |p| p.x),
+    ("y", 2, |p| p.y),
+    ("z", 3, |p| p.z),
+    ("p_n", 2, |p| p.p_n),
+    ("p_t", 2, |p| p.p_t),
+    ("p_o", 3, |p| p.p_o),
+    ("sigma_n", 2, |p| p.sigma_n),
+    ("sigma_t", 2, |p| p.sigma_t),
+    ("sigma_o", 3, |p| p.sigma_o),
+    (PATCH, 3, |p| p.sigma_patch.unwrap_or(f64::NAN)),
+    ("w_n", 2, |p| p.w_n),
+    ("w_t", 2, |p| p.w_t),
+    ("w_o", 3, |p| p.w_o),
+    ("gap", 2, |p| p.gap),
+    ("slip_t", 2, |p| p.slip_t),
+    ("slip_o", 3, |p| p.slip_o),
+    ("f_x", 2, |p| p.force[0]),
+    ("f_y", 2, |p| p.force[1]),
+    ("f_z", 3, |p| p.force[2]),
 ];
 
-/// The columns after the status: the node and the directions of its components.
-const PLACE: [Column; 10] = [
-    Column { name: known("node"), dimension: 2, value: |p| p.node as f64 },
-    Column { name: known("n_x"), dimension: 2, value: |p| p.frame[0][0] },
-    Column { name: known("n_y"), dimension: 2, value: |p| p.frame[0][1] },
-    Column { name: known("n_z"), dimension: 3, value: |p| p.frame[0][2] },
-    Column { name: known("t_x"), dimension: 2, value: |p| p.frame[1][0] },
-    Column { name: known("t_y"), dimension: 2, value: |p| p.frame[1][1] },
-    Column { name: known("t_z"), dimension: 3, value: |p| p.frame[1][2] },
-    Column { name: known("o_x"), dimension: 3, value: |p| p.frame[2][0] },
-    Column { name: known("o_y"), dimension: 3, value: |p| p.frame[2][1] },
-    Column { name: known("o_z"), dimension: 3, value: |p| p.frame[2][2] },
-];
-
-/// The columns after the directions: the stress in the surface.
-const SURFACE: [Column; 4] = [
-    Column { name: known("sigma_along"), dimension: 2, value: |p| p.sigma_along },
-    Column { name: known("sigma_across"), dimension: 2, value: |p| p.sigma_across },
-    Column { name: known("sigma_shear"), dimension: 3, value: |p| p.sigma_shear },
-    Column { name: known("von_mises"), dimension: 2, value: |p| von_mises(p.stress) },
+/// The columns after the status: the node, the directions of its components, and the stress in the surface.
+const BEHIND: [NodeColumn; 14] = [
+    ("node", 2, |p| p.node as f64),
+    ("n_x", 2, |p| p.frame[0][0]),
+    ("n_y", 2, |p| p.frame[0][1]),
+    ("n_z", 3, |p| p.frame[0][2]),
+    ("t_x", 2, |p| p.frame[1][0]),
+    ("t_y", 2, |p| p.frame[1][1]),
+    ("t_z", 3, |p| p.frame[1][2]),
+    ("o_x", 3, |p| p.frame[2][0]),
+    ("o_y", 3, |p| p.frame[2][1]),
+    ("o_z", 3, |p| p.frame[2][2]),
+    ("sigma_along", 2, |p| p.sigma_along),
+    ("sigma_across", 2, |p| p.sigma_across),
+    ("sigma_shear", 3, |p| p.sigma_shear),
+    ("von_mises", 2, |p| von_mises(p.stress)),
 ];
 
 /// Returns the names of all columns.
 #[cfg(test)]
 pub(super) fn names() -> impl Iterator<Item = &'static str> {
-    COLUMNS.iter().chain(&PLACE).chain(&SURFACE).map(|column| column.name.name()).chain(["status", "obstacle"])
+    BEFORE.iter().chain(&BEHIND).map(|column| column.0).chain(["status", "obstacle"])
 }
 
 /// Returns the contact nodes `nodes` at the end of a step.

@@ -10,6 +10,8 @@ use serde::{Deserialize, Serialize};
 pub use find::last_cycles;
 pub use node::CycleNode;
 use node::NodeWatch;
+#[cfg(test)]
+pub(super) use table::names;
 
 use super::contact_line::points;
 use crate::body::description::{CycleChoice, CycleRequest};
@@ -18,8 +20,7 @@ use crate::solver::history::{IncrementView, Status};
 use crate::solver::laws::ContactStatus;
 
 /// The slip of a contact surface in a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlipRegime {
     /// No node slips.
@@ -31,8 +32,7 @@ pub enum SlipRegime {
 }
 
 /// The results of a load cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleReport {
     /// The time of its beginning, s.
@@ -56,8 +56,7 @@ pub struct CycleReport {
 }
 
 /// The friction work of a cycle.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleWork {
     /// The time of its beginning, s.
@@ -69,8 +68,7 @@ pub struct CycleWork {
 }
 
 /// A boundary in a cycle.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct CycleOfBoundary {
     /// The boundary.
@@ -163,9 +161,7 @@ impl CycleWatch {
         match self.phase(record.time) {
             Phase::Before => {
                 let points = points(model, 0..model.contact.nodes.len(), step);
-                let stresses = model.surface_stresses(record.time, step.state);
-                self.nodes =
-                    points.iter().zip(&stresses).map(|(point, stress)| NodeWatch::at(point, stress.along)).collect();
+                self.nodes = points.iter().map(NodeWatch::at).collect();
             }
             Phase::Within => self.nodes(model, step),
             Phase::After => {}
@@ -174,13 +170,12 @@ impl CycleWatch {
 
     fn nodes(&mut self, model: &Model, step: &IncrementView<'_>) {
         let points = points(model, 0..model.contact.nodes.len(), step);
-        let stresses = model.surface_stresses(step.record.time, step.state);
-        for (i, ((node, point), stress)) in self.nodes.iter_mut().zip(&points).zip(&stresses).enumerate() {
+        for (i, (node, point)) in self.nodes.iter_mut().zip(&points).enumerate() {
             if self.follows_path {
-                node.see_path(point, stress.along);
+                node.observe_path(point);
             } else {
                 let [t, o] = model.problem.slip(step.increment, step.state, i);
-                node.observe(point, stress.along, step.state.p_t[i] * t + step.state.p_o[i] * o);
+                node.observe(point, step.state.p_t[i] * t + step.state.p_o[i] * o);
             }
         }
         for ([some, all], boundary) in self.slips.iter_mut().zip(&model.contact.boundaries) {
@@ -233,7 +228,7 @@ impl CycleWatch {
         CycleOfBoundary {
             boundary: boundary.name.clone(),
             regime: self.regime(model, b),
-            friction_work: boundary.parts(&model.contact.nodes).map(|(i, part)| part * self.nodes[i].work()).sum(),
+            friction_work: boundary.parts(&model.contact.nodes).map(|(i, part)| part * self.nodes[i].work).sum(),
             slip_range: largest(NodeWatch::slip_range),
             slip_net: largest(NodeWatch::slip_net),
         }

@@ -11,8 +11,7 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// Estimates of the errors by mesh and increments.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Estimates {
     /// The estimates of each contact surface that ever touched, when its force was largest.
@@ -176,7 +175,7 @@ impl EstimateWatch {
     /// Returns the largest contact pressure, with its errors from the `estimates`, if there was any.
     pub fn largest_pressure(&self, model: &Model, estimates: &Estimates) -> Option<LargestPressure> {
         let singular = estimates.peak.as_ref().is_some_and(|peak| peak.singular_edge);
-        self.peak.as_ref().map(|peak| peak.told(model, &self.graph, estimates.peak_error, singular))
+        self.peak.as_ref().map(|peak| peak.record(model, &self.graph, estimates.peak_error, singular))
     }
 
     /// Returns the estimates of the mesh errors.

@@ -14,8 +14,7 @@ use crate::solver::solvability::friction_work;
 const NEGLIGIBLE: f64 = 1e-9;
 
 /// The reason why a run ended early.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Explanation {
     /// The reason in words; empty if the run reached its end.
@@ -29,8 +28,7 @@ pub struct Explanation {
 }
 
 /// The slip of a joint as a whole.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct JointSlip {
     /// The bodies that slide, and how.
@@ -48,8 +46,7 @@ pub struct JointSlip {
 }
 
 /// A load that changes where a joint slips.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ChangingLoad {
     /// The number of the load, from 0.
@@ -59,8 +56,7 @@ pub struct ChangingLoad {
 }
 
 /// A node where a law is violated.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct WorstNode {
     /// The law.
@@ -144,25 +140,23 @@ impl JointSlip {
 fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: Option<&JointSlip>) -> String {
     let exact_path = solver.method.is_exact_path();
     let Some(record) = outcome.records.iter().find(|record| record.status != Status::Converged) else {
-        return match outcome.status {
-            Status::Singular => unconstrained(model, outcome),
-            Status::Interrupted => "stopped on request".to_string(),
+        let words = match outcome.status {
+            Status::Singular => return unconstrained(model, outcome),
+            Status::Interrupted => "stopped on request",
             Status::Unsupported if exact_path => {
                 "the exact path requires nodes that slide along lines, constant friction and independent contact \
                  rows; use the method bn"
-                    .to_string()
             }
             Status::Unsupported => {
                 "this interior point method has only one tangent per node, but nodes slide in a plane; use the \
                  method bn"
-                    .to_string()
             }
             Status::OutOfMemory => {
                 "memory ran out; the increments before are complete: use a coarser mesh or a machine with more memory"
-                    .to_string()
             }
-            _ => String::new(),
+            _ => "",
         };
+        return words.to_string();
     };
     let increment = format!("increment {} (t = {} s)", record.index, six_digits(record.time));
     if let Some(slip) = slip {

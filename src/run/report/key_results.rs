@@ -16,8 +16,7 @@ use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// The largest contact force of a history.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct LargestForce {
     /// The boundary.
@@ -38,8 +37,7 @@ pub struct LargestForce {
 }
 
 /// The largest tangential force of a contact in a history: the force by which it holds, or at which it is drawn out.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct HoldingForce {
     /// The boundary.
@@ -59,8 +57,7 @@ pub struct HoldingForce {
 }
 
 /// The friction work of a history.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct FrictionResult {
     /// The friction work of all increments, J; in two dimensions J per m of depth.

@@ -7,8 +7,7 @@ use crate::body::model::{Model, Pair};
 use crate::solver::problem::State;
 
 /// A pair of opposing boundaries.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct PairRecord {
     /// The boundary whose nodes have the contact forces.

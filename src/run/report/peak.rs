@@ -11,8 +11,7 @@ use crate::solver::problem::State;
 use super::largest::is_as_large;
 
 /// The largest contact pressure of a history.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct LargestPressure {
     /// The largest `σ_n = p_n / l` (32), Pa, of a node, or on linear tetrahedra of a node and its neighbours together;
@@ -152,7 +151,7 @@ impl Peak {
     }
 
     /// Returns the pressure for the report.
-    pub(super) fn told(
+    pub(super) fn record(
         &self,
         model: &Model,
         graph: &ContactGraph,

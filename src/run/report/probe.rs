@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::csv::{self, number};
 use super::deformation::deformation;
 use super::principal::von_mises;
-use super::quantities::Column;
+use super::quantities::Columns;
 use crate::algebra::vector::{minus, norm};
 use crate::base::input_error::InputError;
 use crate::base::units::{Quantity, UnitSystem};
@@ -119,14 +119,15 @@ impl ProbeTable {
 
     /// Formats a line for each point at the end of a step.
     pub fn lines(&self, model: &Model, step: &IncrementView<'_>) -> String {
-        let (d, units) = (self.dimension, model.units());
+        let d = self.dimension;
+        let written = Columns::new(&model.units(), columns(d).iter().copied());
         let line = |(k, value): (usize, ProbeValue)| {
             let ProbeValue { position, displacement, stress } = value;
             let components = if d == 2 { 4 } else { 6 };
             let mises = von_mises(stress);
             let numbers = position[..d].iter().chain(&displacement[..d]).chain(&stress[..components]).chain([&mises]);
             let mut fields = vec![step.record.index.to_string(), number(step.record.time), (k + 1).to_string()];
-            fields.extend(columns(d).iter().zip(numbers).map(|(column, x)| column.cell(&units, *x)));
+            fields.extend(written.cells(numbers.copied()));
             csv::line(&fields)
         };
         self.values(model, step).into_iter().enumerate().map(line).collect()
@@ -135,18 +136,15 @@ impl ProbeTable {
 
 /// Returns the names of the columns in this number of dimensions.
 pub(super) fn header(dimension: usize) -> String {
-    let names: Vec<&str> = columns(dimension).iter().map(|column| column.name()).collect();
-    csv::table(&[&["index", "time", "point"], &names[..]].concat(), std::iter::empty())
+    csv::line(&[&["index", "time", "point"], columns(dimension)].concat())
 }
 
 /// Returns the columns of the values at a point.
-fn columns(dimension: usize) -> &'static [Column] {
-    const PLANE: &[Column] = &Column::all(["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"])
-        .expect("columns with known quantities");
-    const SPACE: &[Column] =
-        &Column::all(["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"])
-            .expect("columns with known quantities");
-    if dimension == 2 { PLANE } else { SPACE }
+fn columns(dimension: usize) -> &'static [&'static str] {
+    match dimension {
+        2 => &["x", "y", "u_x", "u_y", "s_xx", "s_yy", "s_zz", "s_xy", "von_mises"],
+        _ => &["x", "y", "z", "u_x", "u_y", "u_z", "s_xx", "s_yy", "s_zz", "s_xy", "s_yz", "s_zx", "von_mises"],
+    }
 }
 
 /// Returns the first cell that contains each of `points`, with the coordinates in its reference cell.

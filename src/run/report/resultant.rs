@@ -12,8 +12,7 @@ use crate::solver::problem::State;
 /// The force of the body on the obstacles, or on the opposing body, in front of one boundary: the sum of the contact
 /// forces, and of their components. A node of several boundaries contributes to each by its share in the node's area.
 /// With several boundaries, or an obstacle with a normal for each node, normals and tangents have different directions.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct Resultant {
     /// The boundary.
     pub boundary: String,
@@ -34,8 +33,7 @@ pub struct Resultant {
 }
 
 /// The force of the opposing body on the body of a boundary.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct OfOpposite {
     /// The opposing boundary.
@@ -47,8 +45,7 @@ pub struct OfOpposite {
 }
 
 /// The force of the nodes of one boundary on one of the obstacles.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct OnObstacle {
     /// The obstacle, by its key: `contact[0].obstacle[1]`.
@@ -63,8 +60,7 @@ pub struct OnObstacle {
 }
 
 /// Sums of the components of contact forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct ComponentSums {
     /// `Σ p_n`, N.
     pub sum_p_n: f64,
@@ -76,8 +72,7 @@ pub struct ComponentSums {
 }
 
 /// The resultant of a boundary at the end of an increment.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ForceRecord {
     /// The increment, from 1.

@@ -5,24 +5,22 @@ use serde::Serialize;
 use super::balance::BalanceRecord;
 use super::cycle::CycleReport;
 use super::estimates::Estimates;
-use super::exact_path::ExactPath;
 use super::explain::Explanation;
 use super::history_curves::HistoryCurves;
 use super::key_results::{FrictionResult, HoldingForce, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
-use super::quantities;
+use super::quantities::{self, UnitNames};
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
-use super::unit_names::UnitNames;
 use super::unknowns::{EliminatedUnknown, Unknowns};
 use super::usage::{RankRecord, cpu_seconds, peak_rss_bytes};
 use super::warnings::Warning;
 use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::estimate::StickZone;
-use crate::body::model::Model;
-use crate::body::model::RangeLeft;
+use crate::body::model::{Model, RangeLeft};
 use crate::run::auto::Faster;
+use crate::solver::events::PathEnd;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
 use crate::solver::uniqueness::CriticalFriction;
@@ -33,8 +31,7 @@ pub const SCHEMA_VERSION: u32 = 1;
 
 /// All results of a run except the fields. All numbers are SI, and serde writes them so; [`RunReport::to_json`]
 /// converts them to the units of the model.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct RunReport {
     /// The version of these keys, 1.
@@ -144,9 +141,25 @@ pub struct RunReport {
     pub curves: HistoryCurves,
 }
 
+/// The course of an exact path.
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[non_exhaustive]
+pub struct ExactPath {
+    /// The number of changes of contact status.
+    pub events: usize,
+    /// The end of the quasi-static motion, if it ended.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lost: Option<PathEnd>,
+}
+
+impl ExactPath {
+    pub(in crate::run) fn of(outcome: &HistoryOutcome) -> Self {
+        ExactPath { events: outcome.event_count, lost: outcome.lost }
+    }
+}
+
 /// One of several bodies.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct BodyRecord {
     /// The name of the body.
@@ -171,8 +184,7 @@ impl BodyRecord {
 }
 
 /// The largest displacement of a history.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct LargestDisplacement {
     /// The length of the displacement, m.
@@ -184,8 +196,7 @@ pub struct LargestDisplacement {
 }
 
 /// Sums over a run.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Totals {
     /// The number of increments that converged.

@@ -14,8 +14,7 @@ use crate::solver::history::Method;
 const OUT_OF_REACH: &str = "at nodes out of reach: they are added as soon as they would penetrate";
 
 /// The numbers of unknowns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Unknowns {
     /// The number of displacements.
     pub u: usize,
@@ -35,8 +34,7 @@ pub struct Unknowns {
 }
 
 /// Unknowns eliminated from the equations.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct EliminatedUnknown {
     /// The number of eliminated unknowns.
     pub count: usize,

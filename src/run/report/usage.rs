@@ -30,8 +30,7 @@ pub fn peak_rss_bytes() -> Option<u64> {
 }
 
 /// The time and memory of one of several processes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
 pub struct RankRecord {
     /// The rank of the process, from 0.
     pub rank: usize,

@@ -27,7 +27,7 @@ use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
 
 /// The equations that stay positive, besides the unknowns.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Partition {
     /// The products, `(F̃, G̃)` (29)–(31).

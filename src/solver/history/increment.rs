@@ -82,8 +82,7 @@ pub(super) struct SubstepInput {
 }
 
 /// The size of a history's working set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct WorkingSet {
     /// The number of contact nodes at first.
     pub first: usize,

@@ -41,8 +41,7 @@ const NOTABLE: f64 = 0.05;
 const NO_FRICTION: f64 = 1e-8;
 
 /// The estimated time-step error of a history's friction work and tangential forces.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct IncrementError {
     /// The computed work that friction dissipated, J; in two dimensions J per m of depth.
     pub friction_work: f64,

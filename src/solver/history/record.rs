@@ -11,8 +11,7 @@ use std::fmt;
 use std::ops::ControlFlow;
 
 /// The verdict on an increment and on a run.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Status {
     /// Every law holds within the tolerance, by the independent error measure.
@@ -70,8 +69,7 @@ impl fmt::Display for Status {
 }
 
 /// The number of contact nodes in each status.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ContactCounts {
     /// The number of nodes apart from the obstacle.
@@ -83,8 +81,7 @@ pub struct ContactCounts {
 }
 
 /// The wall time of an increment by its parts, s.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Seconds {
     /// The time for residuals, merits and Jacobian values.
@@ -108,8 +105,7 @@ impl Seconds {
 }
 
 /// The record of one increment.
-#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct IncrementRecord {
     /// The number of the increment, from 1.

@@ -140,8 +140,7 @@ fn relative(value: f64, scale: f64) -> f64 {
 }
 
 /// The largest violation of each law over all nodes.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 pub struct KktErrors {
     /// `|K u + Cᵀ p - f|` of a displacement, relative to the largest force of its part, or to its terms if they are
     /// smaller; and `|rᵀ (f - Cᵀ p)|` of a rigid mode, relative to the sizes of its terms, if it is more than 1e-4.
@@ -161,8 +160,7 @@ pub struct KktErrors {
 }
 
 /// A law that a state may violate, a component of [`KktErrors`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Law {
     /// Equilibrium (15).

@@ -8,7 +8,7 @@ use crate::problems::{Collection, ProblemReport, Row, Verdict};
 use clap::Args;
 use stickslip::algebra::parallel_map;
 use stickslip::run::report::thread_cpu_seconds;
-use stickslip_exchange::{ProblemFile, Way, solve_by};
+use stickslip_exchange::{ProblemFile, Strategy, solve_by};
 
 use super::progress::bar;
 use super::study::{StudyFolder, pretty, print_results};
@@ -45,8 +45,9 @@ pub(super) fn collection(args: &CollectionArgs, threads: usize) -> Result<ExitSt
     interrupt::listen();
     let (files, others) = files(&args.folder)?;
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
-    let ways: &[Way] = if args.compare { &Way::ALL } else { &[Way::Default] };
-    let tasks: Vec<(&PathBuf, Way)> = files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
+    let ways: &[Strategy] = if args.compare { &Strategy::ALL } else { &[Strategy::Default] };
+    let tasks: Vec<(&PathBuf, Strategy)> =
+        files.iter().flat_map(|file| ways.iter().map(move |way| (file, *way))).collect();
     let bar = bar(tasks.len(), "problems");
     let rows = parallel_map(&tasks, threads, |(path, way)| {
         let row = row(path, *way);
@@ -93,7 +94,7 @@ fn files(folder: &Path) -> Result<(Vec<PathBuf>, usize), Failure> {
 }
 
 /// Solves a file. Returns `None` if the solver does not apply to its problem or the command is interrupted.
-fn row(path: &Path, way: Way) -> Option<Row> {
+fn row(path: &Path, way: Strategy) -> Option<Row> {
     if interrupt::requested() {
         return None;
     }

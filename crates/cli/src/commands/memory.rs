@@ -1,6 +1,6 @@
 //! Handles refused memory.
 
-use stickslip::algebra::linear::process::{Last, memory_was_refused, say_last};
+use stickslip::algebra::linear::process::{AbortReport, memory_was_refused, set_abort_report};
 
 /// The message for a refused allocation that cannot be returned as an error.
 pub(super) const MESSAGE: &str = "out of memory: an allocation that the program needs was refused";
@@ -24,7 +24,7 @@ const STATUS: i32 = 3;
 /// printed on standard output.
 pub(super) fn end_in_order(json: bool) {
     let output = if json { JSON } else { "" };
-    say_last(Last { out_of_memory: NOTE, output, aborted: ABORTED, status: STATUS });
+    set_abort_report(AbortReport { out_of_memory: NOTE, output, aborted: ABORTED, status: STATUS });
     #[cfg(feature = "blas")]
     if stickslip::algebra::linear::process::blas_is_stuck() {
         let help = "set OPENBLAS_NUM_THREADS=1, or raise the memory limit";

@@ -25,6 +25,6 @@ pub(super) fn schema(args: &SchemaArgs) {
         Of::Run => say!("{:#}", stickslip_output::run_schema()),
         Of::Problem => say!("{:#}", crate::problems::problem_schema()),
         Of::Collection => say!("{:#}", crate::problems::collection_schema()),
-        Of::Scene => say!("{}", stickslip::scene::SCHEMA.trim_end()),
+        Of::Scene => say!("{:#}", stickslip::scene::schema()),
     }
 }

@@ -29,7 +29,7 @@ pub struct Collection {
 pub struct Row {
     /// The name of the file.
     pub file: String,
-    /// The solver, see [`Way`](stickslip_exchange::Way).
+    /// The solver, see [`Strategy`](stickslip_exchange::Strategy).
     pub way: String,
     /// `global` or `local`; empty if nothing was read.
     pub form: String,

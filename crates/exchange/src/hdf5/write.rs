@@ -40,24 +40,20 @@ pub(crate) fn write(root: &Node) -> Vec<u8> {
     let [tree, heap] = table.unwrap_or([NONE; 2]);
     let mut head = SIGNATURE.to_vec();
     head.extend([0, 0, 0, 0, 0, 8, 8, 0]);
-    put(&mut head, 2, HALF_A_LEAF as u64);
-    put(&mut head, 2, HALF_A_TREE as u64);
-    put(&mut head, 4, 0);
-    for address in [0, NONE, file.len() as u64, NONE] {
-        put(&mut head, 8, address);
-    }
+    put(&mut head, 2, &[HALF_A_LEAF as u64, HALF_A_TREE as u64]);
+    put(&mut head, 4, &[0]);
+    put(&mut head, 8, &[0, NONE, file.len() as u64, NONE]);
     // The root group: no name, its header, and a hint to its table.
-    put(&mut head, 8, 0);
-    put(&mut head, 8, header);
-    put(&mut head, 8, 1);
-    put(&mut head, 8, tree);
-    put(&mut head, 8, heap);
+    put(&mut head, 8, &[0, header, 1, tree, heap]);
     file[..SUPERBLOCK].copy_from_slice(&head);
     file
 }
 
-fn put(to: &mut Vec<u8>, size: usize, number: u64) {
-    to.extend(&number.to_le_bytes()[..size]);
+/// Appends `numbers` in `size` bytes each.
+fn put(to: &mut Vec<u8>, size: usize, numbers: &[u64]) {
+    for number in numbers {
+        to.extend(&number.to_le_bytes()[..size]);
+    }
 }
 
 fn align(to: &mut Vec<u8>) {
@@ -70,9 +66,7 @@ fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
         Node::Group(children) => {
             let table = table(file, children);
             let mut body = Vec::new();
-            for address in table {
-                put(&mut body, 8, address);
-            }
+            put(&mut body, 8, &table);
             (header(file, &[(0x11, body)]), Some(table))
         }
         Node::Integers(values) => {
@@ -91,7 +85,7 @@ fn object(file: &mut Vec<u8>, node: &Node) -> (u64, Option<[u64; 2]>) {
         Node::Text(text) => {
             let bytes: Vec<u8> = text.bytes().filter(|byte| *byte != 0).chain([0]).collect();
             let mut datatype = vec![0x13, 0, 0, 0];
-            put(&mut datatype, 4, bytes.len() as u64);
+            put(&mut datatype, 4, &[bytes.len() as u64]);
             (dataset(file, None, datatype, &bytes), None)
         }
     }
@@ -112,33 +106,23 @@ fn table(file: &mut Vec<u8>, children: &[(String, Node)]) -> [u64; 2] {
     }
     let heap = file.len() as u64;
     file.extend(b"HEAP\0\0\0\0");
-    put(file, 8, names.len() as u64);
     // There is no free block.
-    put(file, 8, 1);
-    put(file, 8, heap + 32);
+    put(file, 8, &[names.len() as u64, 1, heap + 32]);
     file.extend(&names);
 
     let leaf = file.len() as u64;
     file.extend(b"SNOD\x01\0");
-    put(file, 2, children.len() as u64);
+    put(file, 2, &[children.len() as u64]);
     for (place, (address, table)) in offsets.iter().zip(&objects) {
-        put(file, 8, *place);
-        put(file, 8, *address);
         let [tree, heap] = table.unwrap_or_default();
-        put(file, 8, u64::from(table.is_some()));
-        put(file, 8, tree);
-        put(file, 8, heap);
+        put(file, 8, &[*place, *address, u64::from(table.is_some()), tree, heap]);
     }
     file.resize(leaf as usize + 8 + 40 * NAMES, 0);
 
     let tree = file.len();
     file.extend(b"TREE\0\0");
-    put(file, 2, u64::from(!children.is_empty()));
-    put(file, 8, NONE);
-    put(file, 8, NONE);
-    put(file, 8, 0);
-    put(file, 8, leaf);
-    put(file, 8, offsets.last().copied().unwrap_or(0));
+    put(file, 2, &[u64::from(!children.is_empty())]);
+    put(file, 8, &[NONE, NONE, 0, leaf, offsets.last().copied().unwrap_or(0)]);
     file.resize(tree + 24 + 8 * (4 * HALF_A_TREE + 1), 0);
     [tree as u64, heap]
 }
@@ -150,13 +134,12 @@ fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &
     align(file);
     let mut space = vec![1, u8::from(count.is_some()), 0, 0, 0, 0, 0, 0];
     if let Some(count) = count {
-        put(&mut space, 8, count as u64);
+        put(&mut space, 8, &[count as u64]);
     }
     // Space is allocated when needed, and unwritten elements are zero.
     let fill = vec![2, 2, 2, 1, 0, 0, 0, 0];
     let mut layout = vec![3, 1];
-    put(&mut layout, 8, address);
-    put(&mut layout, 8, bytes.len() as u64);
+    put(&mut layout, 8, &[address, bytes.len() as u64]);
     header(file, &[(0x01, space), (0x03, datatype), (0x05, fill), (0x08, layout)])
 }
 
@@ -164,17 +147,15 @@ fn dataset(file: &mut Vec<u8>, count: Option<usize>, datatype: Vec<u8>, bytes: &
 fn header(file: &mut Vec<u8>, messages: &[(u64, Vec<u8>)]) -> u64 {
     let mut body = Vec::new();
     for (kind, message) in messages {
-        put(&mut body, 2, *kind);
-        put(&mut body, 2, message.len().next_multiple_of(8) as u64);
-        put(&mut body, 4, 0);
+        put(&mut body, 2, &[*kind, message.len().next_multiple_of(8) as u64]);
+        put(&mut body, 4, &[0]);
         body.extend(message);
         align(&mut body);
     }
     let address = file.len() as u64;
-    put(file, 2, 1);
-    put(file, 2, messages.len() as u64);
-    put(file, 4, 1);
-    put(file, 8, body.len() as u64);
+    put(file, 2, &[1, messages.len() as u64]);
+    put(file, 4, &[1]);
+    put(file, 8, &[body.len() as u64]);
     file.extend(body);
     address
 }

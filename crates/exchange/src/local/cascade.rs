@@ -3,6 +3,8 @@
 //!
 //! Each island is solved separately. Its stages share only the forces with the smallest natural map so far.
 
+use super::LocalProblem;
+use super::errors::measure;
 use super::interior::{Path, interior, plain};
 use super::islands::{Island, islands};
 use super::judge::Judge;
@@ -10,20 +12,16 @@ use super::newton::newton;
 use super::record::{CascadeSettings, LocalStatus, Solved, Stage, StageRecord};
 use super::scaled::ScaledContacts;
 use super::sweeps::sweep;
-use super::{LocalProblem, LocalProblemError};
+use stickslip::base::InputError;
 
 /// Solves `problem`, from a `guess` of its forces (n_c d) if given. Failure is reported by the status, not by an error.
 ///
 /// # Errors
 /// When the guess does not fit the problem or is not finite, or the tolerance is not positive.
-pub fn solve(
-    problem: &LocalProblem,
-    settings: &CascadeSettings,
-    guess: Option<&[f64]>,
-) -> Result<Solved, LocalProblemError> {
+pub fn solve(problem: &LocalProblem, settings: &CascadeSettings, guess: Option<&[f64]>) -> Result<Solved, InputError> {
     let tolerance = settings.tolerance;
     if !(tolerance > 0.0 && tolerance.is_finite()) {
-        return Err(LocalProblemError::Setting { setting: "tolerance", value: tolerance, must: "finite, and above 0" });
+        return Err(InputError::new("tolerance", format!("it is {tolerance}"), "give a finite number above 0"));
     }
     if let Some(guess) = guess {
         problem.check("guess", guess)?;
@@ -36,7 +34,7 @@ pub fn solve(
         island.write(&forces(island, settings, guess.as_deref(), &mut stages), &mut r);
     }
     stages.sort_by_key(|record| record.stage);
-    let (u, errors) = super::errors::judged(problem, &r);
+    let (errors, u) = measure(problem, &r, None);
     let status = if errors.within(tolerance) {
         LocalStatus::Solved
     } else {
@@ -87,16 +85,16 @@ fn forces(
         }
         let iterations = run(stage, &mut judge, settings, guess);
         note(records, stage, iterations, &judge);
-        if judge.solved() {
+        if judge.is_solved() {
             break;
         }
     }
-    judge.into_forces()
+    judge.forces
 }
 
 /// Adds the result of a stage to its record.
 fn note(records: &mut Vec<StageRecord>, stage: Stage, iterations: usize, judge: &Judge<'_>) {
-    let (solved, residual) = (usize::from(judge.solved()), judge.error());
+    let (solved, residual) = (usize::from(judge.is_solved()), judge.error);
     match records.iter_mut().find(|record| record.stage == stage) {
         Some(record) => {
             record.islands += 1;
@@ -121,7 +119,7 @@ const PATHS: [&[Path]; 3] = [
 
 /// Tries one stage. Returns its number of iterations.
 fn run(stage: Stage, judge: &mut Judge<'_>, settings: &CascadeSettings, guess: Option<&[f64]>) -> usize {
-    let scaled = judge.scaled();
+    let scaled = judge.scaled;
     let limit = settings.newton_iterations;
     match stage {
         Stage::Free => 0,
@@ -135,9 +133,9 @@ fn run(stage: Stage, judge: &mut Judge<'_>, settings: &CascadeSettings, guess: O
         Stage::InteriorElsewhere => follow(judge, settings, PATHS[1]),
         Stage::InteriorOnCone => follow(judge, settings, PATHS[2]),
         Stage::Sweeps => {
-            let mut r = judge.best();
+            let mut r = judge.scaled.read(&judge.forces);
             let (mut done, mut iterations, mut next) = (0, 0, 2 * FIRST_SWEEPS);
-            while done < settings.sweeps && !judge.solved() {
+            while done < settings.sweeps && !judge.is_solved() {
                 let more = next.min(settings.sweeps - done);
                 sweep(scaled, &mut r, more);
                 (done, next) = (done + more, done + more);
@@ -152,7 +150,7 @@ fn run(stage: Stage, judge: &mut Judge<'_>, settings: &CascadeSettings, guess: O
 fn follow(judge: &mut Judge<'_>, settings: &CascadeSettings, paths: &[Path]) -> usize {
     let mut iterations = 0;
     for path in paths {
-        if !judge.solved() {
+        if !judge.is_solved() {
             let (r, more) = interior(judge, *path, settings.interior_iterations);
             iterations += more + newton(judge, r, settings.newton_iterations);
         }
@@ -163,7 +161,7 @@ fn follow(judge: &mut Judge<'_>, settings: &CascadeSettings, paths: &[Path]) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::local::SOLVED;
+    use crate::TOLERANCE;
     use stickslip::algebra::Csc;
 
     fn problem(dimension: usize, entries: &[(usize, usize, f64)], q: &[f64], mu: &[f64]) -> LocalProblem {
@@ -260,7 +258,7 @@ mod tests {
         let misled = solve(&block, &settings, Some(&[-1e9, 3e7, 1e-9, 5.0])).unwrap();
         assert_eq!(misled.status, LocalStatus::Solved);
         let error = solve(&block, &settings, Some(&[1.0; 3])).unwrap_err();
-        assert!(error.to_string().starts_with("guess: there are 3, but must be 4"), "{error}");
+        assert!(error.to_string().starts_with("guess: it has 3 entries, but must have 4"), "{error}");
     }
 
     #[test]
@@ -268,7 +266,7 @@ mod tests {
         for tolerance in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             let settings = CascadeSettings { tolerance, ..CascadeSettings::default() };
             let error = solve(&block(1.0, 1.0, 0.5), &settings, None).unwrap_err();
-            assert!(matches!(error, LocalProblemError::Setting { setting: "tolerance", .. }), "{error}");
+            assert_eq!(error.key, "tolerance", "{error}");
         }
     }
 
@@ -294,7 +292,7 @@ mod tests {
         for (w, q) in [(1e308, -1e308), (1e-308, -1e308), (1e308, -1e-308), (5e-324, -1.0), (-1.0, -1.0)] {
             let extreme = solved(&problem(2, &[(0, 0, w), (1, 1, w), (0, 1, 0.5 * w)], &[q, -q], &[0.3]));
             assert!(extreme.r.iter().all(|r| r.is_finite()), "{extreme:?}");
-            assert_eq!(extreme.status == LocalStatus::Solved, extreme.errors.within(SOLVED));
+            assert_eq!(extreme.status == LocalStatus::Solved, extreme.errors.within(TOLERANCE));
         }
     }
 }

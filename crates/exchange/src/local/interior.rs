@@ -54,7 +54,7 @@ impl Path {
 
 /// Follows `path` for at most `limit` iterations. Returns the best forces on it, and the number of iterations.
 pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<f64>, usize) {
-    let scaled = judge.scaled();
+    let scaled = judge.scaled;
     let mut points = start(scaled, path.reach);
     let mut best = forces(scaled, &points);
     let (mut least, mut since, mut iterations) = (f64::INFINITY, 0, 0);
@@ -77,14 +77,14 @@ pub(super) fn interior(judge: &mut Judge<'_>, path: Path, limit: usize) -> (Vec<
 /// Returns the cold start, from the root of the largest energy `q² / W` of any contact, which does not depend on units.
 fn start(scaled: &ScaledContacts, reach: f64) -> Vec<Unknowns> {
     let mut root = 0.0_f64;
-    for (k, law) in scaled.laws().iter().enumerate() {
+    for (k, law) in scaled.laws.iter().enumerate() {
         root = scaled.at(k, &scaled.q).iter().fold(root, |m, q| m.max(q.abs() * law.stiffness.sqrt()));
     }
     let of_contact = |law: &LocalContact| {
         let (root, stiffness) = (reach * root, law.stiffness.sqrt());
         Unknowns::start(law, root * stiffness, root / stiffness)
     };
-    scaled.laws().iter().map(of_contact).collect()
+    scaled.laws.iter().map(of_contact).collect()
 }
 
 /// Returns the forces of all contacts.
@@ -96,7 +96,7 @@ fn forces(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<f64> {
 
 /// Performs one iteration: predictor, corrector, step. Returns `None` if the matrix is singular or no step is possible.
 fn advance(scaled: &ScaledContacts, points: &[Unknowns], on_cone: bool) -> Option<Vec<Unknowns>> {
-    let laws = scaled.laws();
+    let laws = &scaled.laws;
     let (blocks, sizes): (Vec<Linear>, Vec<[f64; 2]>) =
         points.iter().zip(laws).map(|(point, law)| point.linearize(law)).unzip();
     let mut system = FactoredMatrix::new(scaled, &blocks, PROXIMAL).ok()?;
@@ -152,7 +152,7 @@ fn shortened(
     for _ in 0..SHORTER.1 {
         let mut next = ahead(step);
         let mut inside = true;
-        for ((point, next), law) in points.iter().zip(&mut next).zip(scaled.laws()) {
+        for ((point, next), law) in points.iter().zip(&mut next).zip(&scaled.laws) {
             if law.tangents > 0 {
                 next.s = next.room(law);
                 inside &= next.s >= LEFT * point.s;
@@ -170,13 +170,13 @@ fn shortened(
 fn missing(scaled: &ScaledContacts, points: &[Unknowns]) -> Vec<Missing> {
     let u: Vec<f64> = scaled.velocities(&forces(scaled, points));
     let own = |k: usize| -> Vector3 { scaled.at(k, &u) };
-    points.iter().zip(scaled.laws()).enumerate().map(|(k, (point, law))| point.missing(law, own(k))).collect()
+    points.iter().zip(&scaled.laws).enumerate().map(|(k, (point, law))| point.missing(law, own(k))).collect()
 }
 
 /// Returns the mean product of all pairs after a step `t`.
 fn mean_product(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns], t: f64) -> f64 {
     let (mut sum, mut count) = (0.0, 0.0);
-    for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {
+    for ((point, direction), law) in points.iter().zip(direction).zip(&scaled.laws) {
         for (a, b) in point.ahead(t, direction).pairs(law) {
             (sum, count) = (sum + a * b, count + 1.0);
         }
@@ -187,7 +187,7 @@ fn mean_product(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unkno
 /// Returns the step at which the first member of a pair becomes 0.
 fn largest_step(scaled: &ScaledContacts, points: &[Unknowns], direction: &[Unknowns]) -> f64 {
     let mut largest = f64::INFINITY;
-    for ((point, direction), law) in points.iter().zip(direction).zip(scaled.laws()) {
+    for ((point, direction), law) in points.iter().zip(direction).zip(&scaled.laws) {
         for ((a, b), (da, db)) in point.pairs(law).zip(direction.pairs(law)) {
             for (x, dx) in [(a, da), (b, db)] {
                 if dx < 0.0 {

@@ -1,8 +1,7 @@
 //! Islands: groups of contacts that influence each other, directly or through others, which are separate problems.
 
 use super::LocalProblem;
-use stickslip::algebra::Csc;
-use stickslip::algebra::UnionFind;
+use stickslip::algebra::{Csc, UnionFind};
 
 /// A group of contacts, as a problem.
 pub(super) struct Island {

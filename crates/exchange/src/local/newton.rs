@@ -35,7 +35,7 @@ impl Point {
     fn new(scaled: &ScaledContacts, r: Vec<f64>, u: Vec<f64>) -> Self {
         let mut f = vec![0.0; r.len()];
         let mut merit = 0.0;
-        for (k, law) in scaled.laws().iter().enumerate() {
+        for (k, law) in scaled.laws.iter().enumerate() {
             let own = law.residual(scaled.at(k, &r), scaled.at(k, &u));
             merit += 0.5 * own.map(|f| f * f).iter().sum::<f64>() / law.stiffness;
             scaled.put(k, own, &mut f);
@@ -53,7 +53,7 @@ impl Point {
     fn direction(&self, scaled: &ScaledContacts, proximal: &mut f64) -> Option<Vec<f64>> {
         let at =
             |(k, law): (usize, &super::law::LocalContact)| law.linearize(scaled.at(k, &self.r), scaled.at(k, &self.u));
-        let blocks: Vec<Linear> = scaled.laws().iter().enumerate().map(at).collect();
+        let blocks: Vec<Linear> = scaled.laws.iter().enumerate().map(at).collect();
         let rhs: Vec<f64> = self.f.iter().map(|f| -f).collect();
         loop {
             if let Ok(mut system) = FactoredMatrix::new(scaled, &blocks, *proximal) {
@@ -72,15 +72,15 @@ impl Point {
 
 /// Iterates from `start` until the judge accepts a point, at most `limit` times. Returns the number of iterations.
 pub(super) fn newton(judge: &mut Judge<'_>, start: Vec<f64>, limit: usize) -> usize {
-    let scaled = judge.scaled();
+    let scaled = judge.scaled;
     let [least, largest] = PROXIMAL;
     let mut proximal = least;
     let u = scaled.velocities(&start);
     let mut point = Point::new(scaled, start, u);
     let mut error = judge.offer(&point.r);
     let (mut lowest, mut since, mut iterations) = (point.merit, 0, 0);
-    while iterations < limit && since < PATIENCE && (!judge.solved() || error > POLISHED) {
-        let last = judge.solved();
+    while iterations < limit && since < PATIENCE && (!judge.is_solved() || error > POLISHED) {
+        let last = judge.is_solved();
         let Some(dr) = point.direction(scaled, &mut proximal) else { break };
         iterations += 1;
         let du = scaled.product(&dr);

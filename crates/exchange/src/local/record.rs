@@ -4,12 +4,12 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use super::{LocalErrors, SOLVED};
+use crate::measure::{Errors, TOLERANCE};
 
 /// The limits of the stages, 0 to omit a stage, and the tolerance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CascadeSettings {
-    /// The natural map, without units, below which a problem counts as solved; [`SOLVED`].
+    /// The natural map, without units, below which a problem counts as solved; [`TOLERANCE`].
     pub tolerance: f64,
     /// The largest number of iterations of BN per call; 50. Without BN the other stages cannot finish.
     pub newton_iterations: usize,
@@ -21,7 +21,7 @@ pub struct CascadeSettings {
 
 impl Default for CascadeSettings {
     fn default() -> Self {
-        CascadeSettings { tolerance: SOLVED, newton_iterations: 50, interior_iterations: 60, sweeps: 1280 }
+        CascadeSettings { tolerance: TOLERANCE, newton_iterations: 50, interior_iterations: 60, sweeps: 1280 }
     }
 }
 
@@ -99,7 +99,7 @@ pub struct Solved {
     /// The verdict, from `errors` alone.
     pub status: LocalStatus,
     /// The errors of `r`.
-    pub errors: LocalErrors,
+    pub errors: Errors,
     /// The number of islands.
     pub islands: usize,
     /// The stages that were tried, in order.

@@ -17,7 +17,8 @@ pub(super) struct ScaledContacts {
     dimension: usize,
     /// The normal row of each contact, followed by the number of rows.
     first: Vec<usize>,
-    laws: Vec<LocalContact>,
+    /// The law of each contact.
+    pub laws: Vec<LocalContact>,
     /// `W'`.
     pub delassus: Csr,
     /// The diagonal blocks of `W'`.
@@ -101,11 +102,6 @@ impl ScaledContacts {
     /// Returns the rows of contact `k`.
     pub(super) fn range(&self, k: usize) -> std::ops::Range<usize> {
         self.first[k]..self.first[k + 1]
-    }
-
-    /// Returns the law of each contact.
-    pub(super) fn laws(&self) -> &[LocalContact] {
-        &self.laws
     }
 
     /// Returns the values of `x` at contact `k`.

@@ -9,7 +9,7 @@ use super::single;
 /// Performs `sweeps` sweeps over all contacts, starting from `r`.
 pub(super) fn sweep(scaled: &ScaledContacts, r: &mut [f64], sweeps: usize) {
     for _ in 0..sweeps {
-        for (k, law) in scaled.laws().iter().enumerate() {
+        for (k, law) in scaled.laws.iter().enumerate() {
             let (range, own, block) = (scaled.range(k), scaled.at(k, r), &scaled.diagonal[k]);
             let mut without = [0.0; 3];
             for (c, row) in range.enumerate() {

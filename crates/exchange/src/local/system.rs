@@ -40,7 +40,7 @@ impl<'a> FactoredMatrix<'a> {
                 for (c, source) in range.clone().enumerate() {
                     for &(column, w) in scaled.delassus.row(source) {
                         let Some(place) = numbers[column] else { continue };
-                        let w = if column == source { w + proximal / scaled.laws()[k].stiffness } else { w };
+                        let w = if column == source { w + proximal / scaled.laws[k].stiffness } else { w };
                         for (a, by_u) in by_u.iter().take(range.len()).enumerate() {
                             add(first + a, place, by_u[c] * w);
                         }
@@ -103,7 +103,7 @@ mod tests {
         let proximal = 0.25;
         let x = FactoredMatrix::new(&scaled, &blocks, proximal).unwrap().solve(&b);
         let mut product = scaled.product(&x);
-        for (k, law) in scaled.laws().iter().enumerate() {
+        for (k, law) in scaled.laws.iter().enumerate() {
             scaled.range(k).for_each(|row| product[row] += proximal / law.stiffness * x[row]);
         }
         for (k, Linear { by_u, by_r }) in blocks.iter().enumerate() {
@@ -120,7 +120,7 @@ mod tests {
         let entries = [(0, 0, 1.0), (0, 2, 1.0), (2, 0, 1.0), (2, 2, 1.0)];
         let problem = LocalProblem::new(2, Csc::from_triplets(4, 4, &entries).unwrap(), vec![-1.0; 4], vec![0.0; 2]);
         let scaled = ScaledContacts::new(&problem.unwrap());
-        let closed = scaled.laws().iter().map(|law| law.linearize([1.0, 0.0, 0.0], [0.0; 3])).collect::<Vec<_>>();
+        let closed = scaled.laws.iter().map(|law| law.linearize([1.0, 0.0, 0.0], [0.0; 3])).collect::<Vec<_>>();
         assert!(matches!(FactoredMatrix::new(&scaled, &closed, 0.0), Err(LinearError::Singular { .. })));
         let x = FactoredMatrix::new(&scaled, &closed, 1e-6).unwrap().solve(&[1.0, 1.0]);
         assert!(x.iter().all(|x| (x - 0.5).abs() < 1e-6), "{x:?}");

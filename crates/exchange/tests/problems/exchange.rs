@@ -10,7 +10,7 @@ use stickslip::solver::history::Status;
 use stickslip::solver::{KktErrors, KktScales};
 use stickslip_exchange::local::LocalProblem;
 use stickslip_exchange::{
-    Answer, Errors, ExchangeError, GlobalProblem, Info, Parts, Problem, ProblemFile, Solution, Way, export,
+    Answer, Errors, ExchangeError, GlobalProblem, Info, Parts, Problem, ProblemFile, Solution, Strategy, export,
     export_local, judge, solve, solve_by,
 };
 
@@ -67,11 +67,12 @@ fn every_layout_of_hdf5_says_the_same() {
     let reduced = export_local(new.clone()).unwrap();
     close(local(&reduced).q(), local(&packed).q(), 1e-14);
     close(local(&reduced).delassus().values(), local(&packed).delassus().values(), 1e-14);
-    let [whole, contacts] = [Way::Whole, Way::Contacts].map(|way| solve_by(way, &new.problem, None).unwrap().unwrap());
+    let [whole, contacts] =
+        [Strategy::Whole, Strategy::Contacts].map(|strategy| solve_by(strategy, &new.problem, None).unwrap().unwrap());
     close(&whole.solution.r, &contacts.solution.r, 1e-9);
     let of_text = solve(&problem("blocks.dat").problem, None).unwrap();
     assert!(of_text.is_solved());
-    assert!(solve_by(Way::Whole, &packed.problem, None).unwrap().is_none());
+    assert!(solve_by(Strategy::Whole, &packed.problem, None).unwrap().is_none());
 }
 
 /// The dense matrix is stored column by column, the sparse ones in CSparse's format.

@@ -29,7 +29,7 @@ const READ: Mode = Mode::from_raw_mode(0o666);
 /// A folder, by a handle that remains valid if the folder is moved.
 #[derive(Debug)]
 pub(super) struct Directory {
-    path: PathBuf,
+    pub path: PathBuf,
     handle: OwnedFd,
 }
 
@@ -43,7 +43,8 @@ pub(super) struct Locked {
     is_new: [bool; 2],
     /// Files written under their hidden names only.
     staged: Vec<String>,
-    is_published: bool,
+    /// `true` if the files have their own names.
+    pub is_published: bool,
     /// Files written since the last synchronisation with the disk.
     unsynced: Vec<String>,
 }
@@ -53,10 +54,6 @@ impl Directory {
     pub(super) fn open(path: &Path) -> io::Result<Self> {
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
         Ok(Directory { path: path.to_path_buf(), handle: openat(CWD, path, flags, Mode::empty())? })
-    }
-
-    pub(super) fn path(&self) -> &Path {
-        &self.path
     }
 
     /// Returns the present path if the folder was moved while open.
@@ -221,11 +218,7 @@ impl Locked {
             Err(error) => return Err(error),
         };
         let marker = directory.edit(MARKER, true)?;
-        match flock(&marker, FlockOperation::NonBlockingLockExclusive) {
-            Err(Errno::WOULDBLOCK) => return Err(busy()),
-            // Some network file systems have no locks.
-            locked => ignore_unsupported(locked.map_err(io::Error::from))?,
-        }
+        lock(&marker, busy)?;
         // Its earlier owner may have removed it in the meantime.
         let here = statat(&directory.handle, MARKER, AtFlags::SYMLINK_NOFOLLOW).map(|stat| stat.st_ino);
         if here != fstat(&marker).map(|stat| stat.st_ino) {
@@ -272,16 +265,6 @@ impl Locked {
             }
         }
         Ok(())
-    }
-
-    /// Returns `true` if the files have been published.
-    pub(super) fn is_published(&self) -> bool {
-        self.is_published
-    }
-
-    /// Continues with files that are already published.
-    pub(super) fn resume(&mut self) {
-        self.is_published = true;
     }
 
     /// Creates a file that grows.
@@ -355,8 +338,16 @@ impl Drop for Locked {
             let _ = self.directory.remove(MARKER);
         }
         if self.is_new[0] {
-            let _ = fs::remove_dir(self.directory.path());
+            let _ = fs::remove_dir(&self.directory.path);
         }
+    }
+}
+
+/// Locks a file. Some network file systems have no locks.
+fn lock(file: &File, busy: impl FnOnce() -> io::Error) -> io::Result<()> {
+    match flock(file, FlockOperation::NonBlockingLockExclusive) {
+        Err(Errno::WOULDBLOCK) => Err(busy()),
+        locked => ignore_unsupported(locked.map_err(io::Error::from)),
     }
 }
 
@@ -448,12 +439,7 @@ impl FileLock {
         let directory = Directory::open(folder)?;
         let name = format!(".{name}.lock");
         let file = directory.edit(&name, true)?;
-        match flock(&file, FlockOperation::NonBlockingLockExclusive) {
-            Err(Errno::WOULDBLOCK) => {
-                return Err(io::Error::new(io::ErrorKind::ResourceBusy, "another run writes this file"));
-            }
-            locked => ignore_unsupported(locked.map_err(io::Error::from))?,
-        }
+        lock(&file, || io::Error::new(io::ErrorKind::ResourceBusy, "another run writes this file"))?;
         Ok(FileLock { directory, name, _file: file })
     }
 }

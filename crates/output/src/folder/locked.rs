@@ -2,12 +2,11 @@
 
 use super::directory::{Directory, Locked};
 use super::names::{CHECKPOINT, PAGE, is_ours};
-use super::results::ResultFolder;
+use super::results::{ResultFolder, Tables};
 use super::series::Series;
 use super::state::{FolderState, KeptSolver};
 use super::table::Table;
-use crate::view::{self, View};
-use crate::{file_names, increments, lists};
+use crate::{increments, lists};
 use std::io::{self, Read};
 use std::path::Path;
 use stickslip::body::Model;
@@ -61,7 +60,7 @@ impl LockedOutputDir {
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.folder.directory.path()
+        &self.folder.directory.path
     }
 
     /// Opens the report in the folder.
@@ -100,36 +99,9 @@ impl LockedOutputDir {
         linear: KeptSolver,
     ) -> io::Result<ResultFolder> {
         let mut folder = self.folder;
-        let several = model.contact.boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
-        let coupled = !model.description().couplings.is_empty();
-        let mut table = |name: &str, header: &str| Table::new(name, folder.table(name)?, header);
-        let increments = table("increments.csv", &increments::header())?;
-        let forces = table("forces.csv", &increments::forces_header(model.mesh.dimension, several, coupled))?;
-        let view = View::of(model);
-        let names: Vec<&str> = probes.iter().map(|probe| probe.name.as_str()).collect();
-        let states = table(view::FILE, &view::head(model, view.as_ref(), &names))?;
-        let names = file_names::file_names(names.into_iter());
-        let probes = probes.into_iter().zip(names).map(|(probe, name)| {
-            let file = table(&format!("probe_{name}.csv"), &probe.header())?;
-            Ok((probe, file))
-        });
-        let probes = probes.collect::<io::Result<_>>()?;
-        let lists = [table(lists::FILES[0], "")?, table(lists::FILES[1], "")?, table(lists::FILES[2], "")?];
-        Ok(ResultFolder {
-            folder,
-            units: model.units(),
-            increments,
-            forces,
-            events: None,
-            boundaries: names_of_boundaries(model),
-            probes,
-            view,
-            states,
-            lists,
-            fields: Series::default(),
-            can_be_taken_up: false,
-            of: (origin, linear),
-        })
+        let tables = Tables::open(model, probes, |name, header| Table::new(name, folder.table(name)?, header))?;
+        let (fields, of) = (Series::default(), (origin, linear));
+        Ok(ResultFolder { folder, tables, fields, can_be_taken_up: false, of })
     }
 
     /// Reopens the result folder of the interrupted run of `model`, with its tables truncated to the checkpoint.
@@ -140,45 +112,20 @@ impl LockedOutputDir {
     pub fn resume(self, model: &Model, probes: Vec<ProbeTable>) -> io::Result<ResultFolder> {
         let LockedOutputDir { mut folder, earlier, .. } = self;
         let (_, FolderState { origin, linear, files, fields, .. }) = earlier.ok_or_else(damaged)?;
-        folder.resume();
+        folder.is_published = true;
         let table = |name: &str| {
             let length =
                 files.iter().find(|(known, _)| known == name).map(|(_, length)| *length).ok_or_else(damaged)?;
             let table = folder.directory.edit(name, false).and_then(|file| Table::cut(name, file, length));
             table.map_err(|error| io::Error::new(error.kind(), format!("{name}: {error}")))
         };
-        let (increments, forces) = (table("increments.csv")?, table("forces.csv")?);
-        let events = files.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
-        let names = file_names::file_names(probes.iter().map(|probe| probe.name.as_str()));
-        let probes =
-            probes.into_iter().zip(names).map(|(probe, name)| Ok((probe, table(&format!("probe_{name}.csv"))?)));
-        let probes = probes.collect::<io::Result<_>>()?;
-        let states = table(view::FILE)?;
-        let lists = [table(lists::FILES[0])?, table(lists::FILES[1])?, table(lists::FILES[2])?];
+        let mut tables = Tables::open(model, probes, |name, _| table(name))?;
+        tables.events = files.iter().any(|(name, _)| name == "events.csv").then(|| table("events.csv")).transpose()?;
         // From here on the report is out of date.
         folder.directory.remove("run.json")?;
         let fields = Series::resumed(fields, &mut folder)?;
-        Ok(ResultFolder {
-            folder,
-            units: model.units(),
-            increments,
-            forces,
-            events,
-            boundaries: names_of_boundaries(model),
-            probes,
-            view: View::of(model),
-            states,
-            lists,
-            fields,
-            can_be_taken_up: true,
-            of: (origin, linear),
-        })
+        Ok(ResultFolder { folder, tables, fields, can_be_taken_up: true, of: (origin, linear) })
     }
-}
-
-fn names_of_boundaries(model: &Model) -> Vec<(String, String)> {
-    let boundaries = || model.contact.boundaries.iter().map(|boundary| boundary.name.as_str());
-    boundaries().map(String::from).zip(file_names::file_names(boundaries())).collect()
 }
 
 fn damaged() -> io::Error {
@@ -206,6 +153,6 @@ fn refuse_folders(directory: &Directory) -> io::Result<()> {
     else {
         return Ok(());
     };
-    let message = format!("{} is a folder with the name of a result file", directory.path().join(name).display());
+    let message = format!("{} is a folder with the name of a result file", directory.path.join(name).display());
     Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
 }

@@ -6,10 +6,11 @@ use super::series::Series;
 use super::state::{FolderState, KeptSolver};
 use super::table::Table;
 use crate::deformed::DeformedBody;
+use crate::file_names::file_names;
 use crate::history_chart::history_charts;
 use crate::page::{error::PageError, page};
 use crate::svg::PlotError;
-use crate::view::View;
+use crate::view::{self, View};
 use crate::vtu::Grid;
 use crate::{ContactSurface, increments, lists, plot};
 use std::io::{self, Read, Write};
@@ -18,9 +19,8 @@ use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{BalanceRecord, ContactLine, ForceRecord, ProbeTable, RunReport};
 use stickslip::scene::Provenance;
-use stickslip::solver::Checkpoint;
-use stickslip::solver::Event;
 use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
+use stickslip::solver::{Checkpoint, Event};
 
 /// The result folder of one run. `increments.csv` and `forces.csv` grow line by line, contact lines and plots are added
 /// during the run, and `run.json` is written at the end. Results of an earlier run remain until the first increment is
@@ -28,21 +28,7 @@ use stickslip::solver::history::{IncrementRecord, IncrementView, Status};
 #[derive(Debug)]
 pub struct ResultFolder {
     pub(super) folder: Locked,
-    /// The units of the files.
-    pub(super) units: UnitSystem,
-    pub(super) increments: Table,
-    pub(super) forces: Table,
-    /// The table of events, created at the first event.
-    pub(super) events: Option<Table>,
-    /// The boundaries with contact, each with the ending of its file names.
-    pub(super) boundaries: Vec<(String, String)>,
-    /// The probes, each with its table.
-    pub(super) probes: Vec<(ProbeTable, Table)>,
-    /// The body for the page, in the plane, and its states.
-    pub(super) view: Option<View>,
-    pub(super) states: Table,
-    /// The lists of the report that grow with the increments.
-    pub(super) lists: [Table; 3],
+    pub(super) tables: Tables,
     pub(super) fields: Series,
     /// `true` if a checkpoint exists from which this run can be resumed.
     pub(super) can_be_taken_up: bool,
@@ -50,10 +36,65 @@ pub struct ResultFolder {
     pub(super) of: (Provenance, KeptSolver),
 }
 
+/// The tables that grow with the increments, and what their lines are made from.
+#[derive(Debug)]
+pub(super) struct Tables {
+    units: UnitSystem,
+    increments: Table,
+    forces: Table,
+    /// The table of events, created at the first event.
+    pub(super) events: Option<Table>,
+    /// The boundaries with contact, each with the ending of its file names.
+    boundaries: Vec<(String, String)>,
+    /// The probes, each with its table.
+    probes: Vec<(ProbeTable, Table)>,
+    /// The body for the page, in the plane, and its states.
+    view: Option<View>,
+    states: Table,
+    /// The lists of the report that grow with the increments.
+    lists: [Table; 3],
+}
+
+impl Tables {
+    /// Opens the tables of a run of `model` by their names and headers. File names are fixed here.
+    pub(super) fn open(
+        model: &Model,
+        probes: Vec<ProbeTable>,
+        mut open: impl FnMut(&str, &str) -> io::Result<Table>,
+    ) -> io::Result<Self> {
+        let several = model.contact.boundaries.iter().any(|boundary| boundary.obstacles.len() > 1);
+        let coupled = !model.description().couplings.is_empty();
+        let boundaries = || model.contact.boundaries.iter().map(|boundary| boundary.name.as_str());
+        let view = View::of(model);
+        let names: Vec<&str> = probes.iter().map(|probe| probe.name.as_str()).collect();
+        let (head, files) = (view::head(model, view.as_ref(), &names), file_names(names.into_iter()));
+        let forces_header = increments::forces_header(model.mesh.dimension, several, coupled);
+        Ok(Tables {
+            units: model.units(),
+            increments: open("increments.csv", &increments::header())?,
+            forces: open("forces.csv", &forces_header)?,
+            events: None,
+            boundaries: boundaries().map(String::from).zip(file_names(boundaries())).collect(),
+            view,
+            states: open(view::FILE, &head)?,
+            lists: [open(lists::FILES[0], "")?, open(lists::FILES[1], "")?, open(lists::FILES[2], "")?],
+            probes: (probes.into_iter().zip(files))
+                .map(|(probe, file)| open(&format!("probe_{file}.csv"), &probe.header()).map(|table| (probe, table)))
+                .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Returns all tables.
+    fn all(&self) -> impl Iterator<Item = &Table> {
+        let probes = self.probes.iter().map(|(_, table)| table);
+        [&self.increments, &self.forces, &self.states].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
+    }
+}
+
 impl ResultFolder {
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.folder.directory.path()
+        &self.folder.directory.path
     }
 
     /// Returns the present path if the folder has been moved in the meantime.
@@ -73,14 +114,14 @@ impl ResultFolder {
         forces: &[ForceRecord],
         reactions: Option<&BalanceRecord>,
     ) -> io::Result<()> {
-        let [of_increments, of_forces, of_reactions] = &mut self.lists;
-        forces.iter().try_for_each(|force| of_forces.append(&lists::line(force, &self.units)?))?;
+        let [of_increments, of_forces, of_reactions] = &mut self.tables.lists;
+        forces.iter().try_for_each(|force| of_forces.append(&lists::line(force, &self.tables.units)?))?;
         if let Some(reactions) = reactions {
-            of_reactions.append(&lists::line(reactions, &self.units)?)?;
-            self.forces.append(&increments::forces_lines(forces, reactions, &self.units))?;
+            of_reactions.append(&lists::line(reactions, &self.tables.units)?)?;
+            self.tables.forces.append(&increments::forces_lines(forces, reactions, &self.tables.units))?;
         }
-        of_increments.append(&lists::line(record, &self.units)?)?;
-        self.increments.append(&increments::line(record, &self.units))?;
+        of_increments.append(&lists::line(record, &self.tables.units)?)?;
+        self.tables.increments.append(&increments::line(record, &self.tables.units))?;
         if record.status == Status::Interrupted {
             // An interrupted increment has reached nothing.
             return Ok(());
@@ -95,7 +136,7 @@ impl ResultFolder {
     pub fn keep(&mut self, checkpoint: Checkpoint) -> io::Result<()> {
         self.sync()?;
         self.can_be_taken_up = true;
-        let tables = self.tables().map(|table| (table.name().to_string(), table.length())).collect();
+        let tables = self.tables.all().map(|table| (table.name.clone(), table.length)).collect();
         self.write_checkpoint(checkpoint, tables, None)
     }
 
@@ -106,7 +147,7 @@ impl ResultFolder {
         ended: Option<Status>,
     ) -> io::Result<()> {
         let (origin, linear) = self.of.clone();
-        let state = FolderState { origin, linear, files, fields: self.fields.files().to_vec(), ended };
+        let state = FolderState { origin, linear, files, fields: self.fields.0.clone(), ended };
         let bytes = checkpoint.with(&state).to_bytes().map_err(io::Error::other)?;
         self.folder.directory.write(CHECKPOINT, |file| {
             file.write_all(&bytes)?;
@@ -115,15 +156,9 @@ impl ResultFolder {
         self.folder.directory.sync()
     }
 
-    /// Returns all growing tables.
-    fn tables(&self) -> impl Iterator<Item = &Table> {
-        let probes = self.probes.iter().map(|(_, table)| table);
-        [&self.increments, &self.forces, &self.states].into_iter().chain(&self.events).chain(probes).chain(&self.lists)
-    }
-
     /// Writes all files to the disk.
     fn sync(&mut self) -> io::Result<()> {
-        self.tables().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
+        self.tables.all().try_for_each(|table| directory::ignore_unsupported(table.sync()))?;
         self.folder.sync_files()?;
         self.folder.directory.sync()
     }
@@ -134,12 +169,12 @@ impl ResultFolder {
     /// When the disk refuses.
     pub fn add_event(&mut self, model: &Model, index: usize, event: &Event) -> io::Result<()> {
         let line = increments::event_line(model, index, event);
-        if let Some(events) = &mut self.events {
+        if let Some(events) = &mut self.tables.events {
             return events.append(&line);
         }
         let header = increments::events_header(model.mesh.dimension);
         let file = self.folder.table("events.csv")?;
-        self.events.insert(Table::new("events.csv", file, &header)?).append(&line)
+        self.tables.events.insert(Table::new("events.csv", file, &header)?).append(&line)
     }
 
     /// Writes a contact line as CSV and, in two dimensions, as a plot, `contact_NNNN.csv` and `contact_NNNN.svg`. With
@@ -172,7 +207,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_probes(&mut self, model: &Model, step: &IncrementView<'_>) -> io::Result<()> {
-        self.probes.iter_mut().try_for_each(|(probe, table)| table.append(&probe.lines(model, step)))
+        self.tables.probes.iter_mut().try_for_each(|(probe, table)| table.append(&probe.lines(model, step)))
     }
 
     /// Writes the picture of the deformed body, `deformed_NNNN.svg`.
@@ -188,7 +223,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_state(&mut self, model: &Model, step: &IncrementView<'_>) -> io::Result<()> {
-        self.view.as_ref().map_or(Ok(()), |view| self.states.append(&view.line(model, step)))
+        self.tables.view.as_ref().map_or(Ok(()), |view| self.tables.states.append(&view.line(model, step)))
     }
 
     /// Writes the charts `forces.svg` and `iterations.svg`, `cycle.csv` if a load cycle was asked for, the report with the stored lists as `run.json`, the page
@@ -198,7 +233,7 @@ impl ResultFolder {
     /// # Errors
     /// When the disk refuses.
     pub fn add_report(&mut self, report: &RunReport) -> io::Result<bool> {
-        if !self.folder.is_published() && report.status == Status::Interrupted && self.report().is_ok() {
+        if !self.folder.is_published && report.status == Status::Interrupted && self.report().is_ok() {
             return Ok(false);
         }
         self.folder.publish(is_head, is_ours)?;
@@ -269,7 +304,7 @@ impl ResultFolder {
     /// Returns the name of the files of a contact boundary in an increment. It contains the boundary if there are
     /// several.
     fn contact_name(&self, index: usize, part: Option<usize>, boundary: Option<&str>) -> String {
-        let file = boundary.and_then(|name| self.boundaries.iter().find(|(boundary, _)| boundary == name));
+        let file = boundary.and_then(|name| self.tables.boundaries.iter().find(|(boundary, _)| boundary == name));
         let boundary = file.map_or(String::new(), |(_, file)| format!("_{file}"));
         let part = part.map_or(String::new(), |part| format!("-{part}"));
         format!("contact_{index:04}{part}{boundary}")

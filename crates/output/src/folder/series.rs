@@ -12,7 +12,7 @@ use crate::{pvd, pvtu};
 
 /// The listed file of each increment, with its time, s.
 #[derive(Debug, Default)]
-pub(super) struct Series(Vec<(f64, String)>);
+pub(super) struct Series(pub Vec<(f64, String)>);
 
 impl Series {
     /// Resumes a series. Files written after the checkpoint are removed, lists of files before the files: other ranks
@@ -29,11 +29,6 @@ impl Series {
         }
         late.iter().try_for_each(|name| folder.directory.remove(name))?;
         Ok(series)
-    }
-
-    /// Returns the listed file of each increment, with its time, s.
-    pub(super) fn files(&self) -> &[(f64, String)] {
-        &self.0
     }
 
     /// Writes the fields at the end of increment `index`, at `time` (s), without holding a whole text in memory.
@@ -84,14 +79,14 @@ mod tests {
     fn a_run_goes_on_with_another_number_of_ranks() {
         let path = std::env::temp_dir().join(format!("stickslip-series-{}", std::process::id()));
         let mut folder = Locked::open(&path, |_| Ok(())).unwrap();
-        folder.resume();
+        folder.is_published = true;
         let shared = squares();
         let mut alone = squares();
         alone.cell_fields.pop();
 
         let mut series = Series::default();
         series.add(&mut folder, 1, 0.5, &shared).unwrap();
-        let kept = series.files().to_vec();
+        let kept = series.0.clone();
         series.add(&mut folder, 2, 1.0, &shared).unwrap();
         let parts = |index: usize| [names::pieces(index), names::piece(index, 0), names::piece(index, 2)];
         let [series_and_first, second] = [[&parts(1)[..], &[SERIES.to_string()]].concat(), parts(2).to_vec()];
@@ -123,7 +118,7 @@ mod tests {
     fn a_part_that_cannot_be_written_is_named_nowhere() {
         let path = std::env::temp_dir().join(format!("stickslip-series-fails-{}", std::process::id()));
         let mut folder = Locked::open(&path, |_| Ok(())).unwrap();
-        folder.resume();
+        folder.is_published = true;
         let mut series = Series::default();
         series.add(&mut folder, 1, 0.5, &squares()).unwrap();
         // A file does not replace a folder.
@@ -132,7 +127,7 @@ mod tests {
         assert!(!path.join(names::pieces(2)).exists());
         let text = std::fs::read_to_string(path.join(SERIES)).unwrap();
         assert!(text.contains("fields_0001.pvtu") && !text.contains("fields_0002"), "{text}");
-        assert_eq!(series.files().len(), 1);
+        assert_eq!(series.0.len(), 1);
         drop(folder);
         std::fs::remove_dir_all(path).unwrap();
     }

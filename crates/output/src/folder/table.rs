@@ -5,10 +5,10 @@ use std::io::{self, Seek, SeekFrom, Write};
 
 #[derive(Debug)]
 pub(super) struct Table {
-    name: String,
+    pub name: String,
     file: File,
     /// The length of the complete lines, bytes.
-    length: u64,
+    pub length: u64,
 }
 
 impl Table {
@@ -28,14 +28,6 @@ impl Table {
         file.set_len(length)?;
         file.seek(SeekFrom::Start(length))?;
         Ok(Table { name: name.to_string(), file, length })
-    }
-
-    pub(super) fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub(super) fn length(&self) -> u64 {
-        self.length
     }
 
     /// Appends whole lines.

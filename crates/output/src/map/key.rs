@@ -1,8 +1,8 @@
 //! The key of a map: its colours, markers and arrows.
 
 use super::view::View;
-use super::{ALONE, BLACK, GREY, HELD, LABEL_SIZE, THIN, WHITE, WIDTH, arrow};
-use crate::svg::{Anchor, Colour, Marker, Svg, text_width};
+use super::{ALONE, HELD, arrow};
+use crate::svg::{Anchor, BLACK, Colour, GREY, LABEL_SIZE, Marker, Svg, WHITE, WIDTH, text_width};
 
 /// The distance between the surface and the bar, px.
 const GAP: f64 = 30.0;
@@ -40,10 +40,9 @@ impl View {
             let (sample, text) = entry;
             match *sample {
                 Sample::Patch(colour) => {
-                    let corners = [[x, y - 6.0], [x + 12.0, y - 6.0], [x + 12.0, y + 6.0], [x, y + 6.0]];
-                    svg.polygon(&corners, colour);
-                    let around: Vec<_> = corners.into_iter().chain([corners[0]]).collect();
-                    svg.line(&around, THIN, GREY);
+                    let (from, to) = ([x, y - 6.0], [x + 12.0, y + 6.0]);
+                    svg.rectangle(from, to, colour);
+                    svg.frame(from, to, GREY);
                 }
                 Sample::Marker(marker) => svg.marker([x + 4.0, y], marker, BLACK),
                 Sample::Arrow(length) => arrow(svg, [x, y], [length, 0.0]),

@@ -1,10 +1,10 @@
 //! The visible part of a contact surface, its position in the picture, and the frame around it.
 
-use super::{BLACK, LABEL_SIZE, NUMBER_SIZE, SurfaceNode, THIN, WIDTH};
+use super::SurfaceNode;
 use crate::ContactSurface;
 use crate::chart::axis::{Scale, Tick};
 use crate::colours::Bands;
-use crate::svg::{Anchor, Colour, Svg};
+use crate::svg::{Anchor, BLACK, Colour, LABEL_SIZE, NUMBER_SIZE, Svg, THIN, WIDTH};
 use stickslip::base::Quantity;
 
 /// The space left of the surface, for the axis label and the numbers.
@@ -140,7 +140,7 @@ impl View {
     pub(super) fn draw_inside(&self, svg: &mut Svg, draw: impl FnOnce(&mut Svg)) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
         svg.within([left, top], self.size, |svg| {
-            svg.polygon(&[[left, bottom], [right, bottom], [right, top], [left, top]], OUTSIDE);
+            svg.rectangle([left, bottom], [right, top], OUTSIDE);
             draw(svg);
         });
     }
@@ -148,7 +148,7 @@ impl View {
     /// Draws the frame with the coordinates along it.
     pub(super) fn draw_frame(&self, svg: &mut Svg, axes: &[[f64; 3]; 2]) {
         let ([left, bottom], [right, top]) = (self.at(self.low), self.at(self.high));
-        svg.line(&[[left, top], [right, top], [right, bottom], [left, bottom], [left, top]], THIN, BLACK);
+        svg.frame([left, top], [right, bottom], BLACK);
         for tick in self.ticks(0, 80.0) {
             let [x, _] = self.at([tick.value, self.low[1]]);
             svg.line(&[[x, bottom], [x, bottom + tick.length()]], THIN, BLACK);

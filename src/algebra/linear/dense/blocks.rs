@@ -69,7 +69,7 @@ impl Group {
     pub(super) fn solve(&self, values: &[f64], last: Option<Local>) -> Result<Local, LinearError> {
         let same =
             |places: &[(usize, usize)], of: &[f64]| places.iter().all(|&(place, slot)| of[place] == values[slot]);
-        if let Some(last) = last.filter(|last| same(&self.rows, last.rows()) && same(&self.forces, last.forces())) {
+        if let Some(last) = last.filter(|last| same(&self.rows, &last.rows) && same(&self.forces, &last.forces)) {
             return Ok(last);
         }
         let (own, others) = (self.displacements.len(), self.others.len());

@@ -22,11 +22,11 @@ pub(super) struct Local {
     displacements: usize,
     others: usize,
     /// The number of parameters `t`.
-    moving: usize,
+    pub moving: usize,
     /// `[A D]`, row by row.
-    rows: Vec<f64>,
+    pub rows: Vec<f64>,
     /// `[E B]`, row by row.
-    forces: Vec<f64>,
+    pub forces: Vec<f64>,
     /// `[P_u; P_q]`, row by row.
     particular: Vec<f64>,
     /// `[V 0; Y Z]`, column by column.
@@ -120,25 +120,10 @@ impl Local {
         (0..self.displacements).map(move |i| dot(&self.forces[i * n..(i + 1) * n], x))
     }
 
-    /// Returns `[A D]`, row by row.
-    pub(super) fn rows(&self) -> &[f64] {
-        &self.rows
-    }
-
-    /// Returns `[E B]`, row by row.
-    pub(super) fn forces(&self) -> &[f64] {
-        &self.forces
-    }
-
     /// Returns column `j` of `[V 0; Y Z]`.
     fn column(&self, j: usize) -> &[f64] {
         let n = self.displacements + self.others;
         &self.null[j * n..(j + 1) * n]
-    }
-
-    /// Returns the number of parameters `t`.
-    pub(super) fn moving(&self) -> usize {
-        self.moving
     }
 
     /// Returns column `j` of `V`.
@@ -283,7 +268,7 @@ mod tests {
         for (row, b) in rows.chunks_exact(4).zip(given) {
             assert!((dot(row, &x) - b).abs() < 1e-15);
         }
-        local.moving()
+        local.moving
     }
 
     #[test]
@@ -325,6 +310,6 @@ mod tests {
     #[test]
     fn unknowns_without_a_displacement() {
         let local = Local::new(0, 2, vec![2.0, 0.0, 1.0, 4.0], Vec::new()).unwrap();
-        assert_eq!((local.moving(), local.start(&[2.0, 5.0]).collect::<Vec<_>>()), (0, vec![1.0, 1.0]));
+        assert_eq!((local.moving, local.start(&[2.0, 5.0]).collect::<Vec<_>>()), (0, vec![1.0, 1.0]));
     }
 }

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The messages and the exit status after an abort.
 #[derive(Debug, Clone, Copy)]
-pub struct Last {
+pub struct AbortReport {
     /// The message on standard error if memory was refused before.
     pub out_of_memory: &'static str,
     /// The text on standard output in that case.
@@ -21,32 +21,33 @@ pub struct Last {
     pub status: i32,
 }
 
-static LAST: OnceLock<Last> = OnceLock::new();
+static REPORT: OnceLock<AbortReport> = OnceLock::new();
 static REFUSED: AtomicBool = AtomicBool::new(false);
 
-/// The messages and status before [`say_last`] is called.
-const UNTOLD: Last = Last { out_of_memory: "out of memory\n", output: "", aborted: "aborted\n", status: 3 };
+/// The messages and status before [`set_abort_report`] is called.
+const UNSET: AbortReport =
+    AbortReport { out_of_memory: "out of memory\n", output: "", aborted: "aborted\n", status: 3 };
 
 /// Sets the messages and the exit status for an abort: by Rust after a refused infallible allocation, or by a C
 /// library. Only the first call has an effect.
-pub fn say_last(last: Last) {
-    if LAST.set(last).is_ok() {
+pub fn set_abort_report(report: AbortReport) {
+    if REPORT.set(report).is_ok() {
         arm();
     }
 }
 
-/// Returns `true` if the allocator of this process, if it is [`OrderlyEnd`], has refused memory.
+/// Returns `true` if the allocator of this process, if it is [`ReportingAllocator`], has refused memory.
 pub fn memory_was_refused() -> bool {
     REFUSED.load(Ordering::Relaxed)
 }
 
 /// The system allocator with an orderly end: after it has refused memory, an abort ends the process as set by
-/// [`say_last`]. A program makes it its `#[global_allocator]`.
+/// [`set_abort_report`]. A program makes it its `#[global_allocator]`.
 #[derive(Debug)]
-pub struct OrderlyEnd;
+pub struct ReportingAllocator;
 
 // SAFETY: every call and its result are passed on unchanged to and from the system allocator.
-unsafe impl GlobalAlloc for OrderlyEnd {
+unsafe impl GlobalAlloc for ReportingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller keeps the contract, which is the same for this function.
         noted(unsafe { System.alloc(layout) })
@@ -95,12 +96,13 @@ fn arm() {
 
 /// Ends the process without allocating, unwinding or running exit handlers of libraries.
 extern "C" fn end(_: c_int) {
-    let last = LAST.get().unwrap_or(&UNTOLD);
-    let (note, output) = if memory_was_refused() { (last.out_of_memory, last.output) } else { (last.aborted, "") };
+    let report = REPORT.get().unwrap_or(&UNSET);
+    let (note, output) =
+        if memory_was_refused() { (report.out_of_memory, report.output) } else { (report.aborted, "") };
     for (file, text) in [(libc::STDERR_FILENO, note), (libc::STDOUT_FILENO, output)] {
         // SAFETY: the text is alive and has this length; a failed write is ignored.
         unsafe { libc::write(file, text.as_ptr().cast(), text.len()) };
     }
     // SAFETY: this function takes any status and does not return.
-    unsafe { libc::_exit(last.status) }
+    unsafe { libc::_exit(report.status) }
 }

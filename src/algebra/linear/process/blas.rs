@@ -5,11 +5,11 @@
 //! selects others when the library is loaded: the program starts itself again with it.
 
 #[cfg(feature = "blas")]
+pub(in crate::algebra::linear) mod blas_buffer;
+#[cfg(feature = "blas")]
 mod kernel;
 #[cfg(feature = "blas")]
 pub(super) mod loaded;
-#[cfg(feature = "blas")]
-pub(in crate::algebra::linear) mod room;
 
 use std::fmt;
 
@@ -19,8 +19,7 @@ use serde::Serialize;
 pub const KERNEL_VARIABLE: &str = "OPENBLAS_CORETYPE";
 
 /// The properties of a BLAS, as far as it reports them.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, schemars::JsonSchema)]
 pub struct Blas {
     /// The name: `OpenBLAS`, `MKL` or `BLIS`; `unknown` for any other, such as the reference BLAS.
     pub library: &'static str,

@@ -79,7 +79,8 @@ pub(super) struct NodeWatch {
     slip: [f64; 2],
     slips: [Extremes; 2],
     path: f64,
-    work: f64,
+    /// The friction work, J.
+    pub work: f64,
     /// The pressure at the end of the last step, Pa, and its integral over the slip path, Pa m.
     last: f64,
     pressed_path: f64,
@@ -92,32 +93,31 @@ pub(super) struct NodeWatch {
 }
 
 impl NodeWatch {
-    /// Begins a cycle in this state, with the stress `along` the surface (Pa).
-    pub fn at(point: &ContactPoint, along: f64) -> Self {
+    /// Begins a cycle in this state.
+    pub fn at(point: &ContactPoint) -> Self {
         NodeWatch {
             motion: [point.slip_t, point.slip_o],
             last: point.sigma_n,
             force: [point.p_t, point.p_o],
             pressure: Extremes::at(point.sigma_n),
             traction: [point.sigma_t, point.sigma_o].map(Extremes::at),
-            along: Extremes::at(along),
+            along: Extremes::at(point.sigma_along),
             largest_traction: point.sigma_t.hypot(point.sigma_o),
             ..NodeWatch::default()
         }
     }
 
-    /// Adds a step that ends in this state, with the stress `along` the surface (Pa), and in which friction has done this `work` (J).
-    pub fn observe(&mut self, point: &ContactPoint, along: f64, work: f64) {
+    /// Adds a step that ends in this state, and in which friction has done this `work` (J).
+    pub fn observe(&mut self, point: &ContactPoint, work: f64) {
         let slips = point.status == ContactStatus::Slip;
-        self.add(point, along, slips.then_some(work));
+        self.add(point, slips.then_some(work));
     }
 
-    /// Adds a step along an exact path that ends in this state, with the stress `along` the surface (Pa). Its friction work
-    /// is that of the mean force.
-    pub fn see_path(&mut self, point: &ContactPoint, along: f64) {
+    /// Adds a step along an exact path that ends in this state. Its friction work is that of the mean force.
+    pub fn observe_path(&mut self, point: &ContactPoint) {
         let slip = self.slip_to(point);
         let work = 0.5 * ((self.force[0] + point.p_t) * slip[0] + (self.force[1] + point.p_o) * slip[1]);
-        self.add(point, along, (point.status != ContactStatus::Open).then_some(work));
+        self.add(point, (point.status != ContactStatus::Open).then_some(work));
     }
 
     fn slip_to(&self, point: &ContactPoint) -> [f64; 2] {
@@ -125,7 +125,7 @@ impl NodeWatch {
     }
 
     /// Adds a step with the friction `work`; `None` if the node has not slipped.
-    fn add(&mut self, point: &ContactPoint, along: f64, work: Option<f64>) {
+    fn add(&mut self, point: &ContactPoint, work: Option<f64>) {
         if let Some(work) = work {
             let slip = self.slip_to(point);
             let length = slip[0].hypot(slip[1]);
@@ -139,13 +139,9 @@ impl NodeWatch {
         self.force = [point.p_t, point.p_o];
         self.last = point.sigma_n;
         self.pressure.add(point.sigma_n);
-        self.along.add(along);
+        self.along.add(point.sigma_along);
         self.traction.iter_mut().zip([point.sigma_t, point.sigma_o]).for_each(|(of, sigma)| of.add(sigma));
         self.largest_traction = self.largest_traction.max(point.sigma_t.hypot(point.sigma_o));
-    }
-
-    pub fn work(&self) -> f64 {
-        self.work
     }
 
     pub fn slip_range(&self) -> f64 {

@@ -40,39 +40,18 @@ impl Vectors {
     /// Returns those of the OpenBLAS kernel for the processor `name`, in upper or lower case, or `None` if it is not
     /// known.
     pub(super) fn of_kernel(name: &str) -> Option<Self> {
-        let vectors = |(vectors, names): &(Vectors, &[&str])| {
-            names.iter().any(|known| known.eq_ignore_ascii_case(name)).then_some(*vectors)
-        };
-        KERNELS.iter().find_map(vectors)
+        let has_name = |names: &str| names.split(' ').any(|known| known.eq_ignore_ascii_case(name));
+        KERNELS.iter().find(|(_, names)| has_name(names)).map(|(vectors, _)| *vectors)
     }
 }
 
-/// The kernels of OpenBLAS for x86-64.
-const KERNELS: [(Vectors, &[&str]); 4] = [
-    (
-        Vectors::Sse,
-        &[
-            "Katmai",
-            "Coppermine",
-            "Northwood",
-            "Prescott",
-            "Banias",
-            "Atom",
-            "Core2",
-            "Penryn",
-            "Dunnington",
-            "Nehalem",
-            "Athlon",
-            "Opteron",
-            "Opteron_SSE3",
-            "Barcelona",
-            "Bobcat",
-            "Nano",
-        ],
-    ),
-    (Vectors::Avx, &["Sandybridge", "Bulldozer", "Piledriver", "Steamroller"]),
-    (Vectors::Avx2, &["Haswell", "Zen", "Excavator"]),
-    (Vectors::Avx512, &["SkylakeX", "Cooperlake", "SapphireRapids"]),
+/// The kernels of OpenBLAS for x86-64, as words.
+const KERNELS: [(Vectors, &str); 5] = [
+    (Vectors::Sse, "Katmai Coppermine Northwood Prescott Banias Atom Core2 Penryn Dunnington Nehalem"),
+    (Vectors::Sse, "Athlon Opteron Opteron_SSE3 Barcelona Bobcat Nano"),
+    (Vectors::Avx, "Sandybridge Bulldozer Piledriver Steamroller"),
+    (Vectors::Avx2, "Haswell Zen Excavator"),
+    (Vectors::Avx512, "SkylakeX Cooperlake SapphireRapids"),
 ];
 
 /// Returns the name of an OpenBLAS kernel, available for years, that is faster than `kernel` on a processor with such
@@ -128,7 +107,7 @@ mod tests {
     /// The better kernel is the best one, so that it is requested only once.
     #[test]
     fn the_better_kernel_has_no_better_one() {
-        for kernel in KERNELS.iter().flat_map(|(_, names)| *names) {
+        for kernel in KERNELS.iter().flat_map(|(_, names)| names.split_whitespace()) {
             for vectors in [Vectors::Sse, Vectors::Avx, Vectors::Avx2, Vectors::Avx512] {
                 if let Some(better) = better_kernel(kernel, Some(vectors)) {
                     assert_eq!(better_kernel(better, Some(vectors)), None, "{kernel}");

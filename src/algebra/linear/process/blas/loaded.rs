@@ -8,7 +8,7 @@ use std::ffi::{CStr, c_char, c_int};
 use libloading::os::unix::Library;
 
 use super::kernel::{Vectors, better_kernel};
-use super::{Blas, KERNEL_VARIABLE, UNKNOWN, room};
+use super::{Blas, KERNEL_VARIABLE, UNKNOWN, blas_buffer};
 
 /// A BLAS library, with its functions for setting and reading the number of threads.
 struct Kind {
@@ -51,7 +51,7 @@ pub(in crate::algebra::linear) fn set_threads(process: &Library, wanted: usize) 
     KINDS.iter().find_map(|kind| {
         let before = threads(process, kind)?;
         // A thread of OpenBLAS without memory for its buffer would never end.
-        if before == wanted || kind.name == OPENBLAS && !room::for_threads(before, wanted) {
+        if before == wanted || kind.name == OPENBLAS && !blas_buffer::for_threads(before, wanted) {
             return Some(kind.name);
         }
         if kind.counts_in_64_bits {
