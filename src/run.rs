@@ -32,6 +32,7 @@ mod grid;
 mod lock;
 mod need;
 mod recording;
+mod refinement;
 pub mod report;
 mod results;
 mod sharing;

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::RunError;
 use super::lock::locked;
 use super::need::has_room;
+use super::refinement::refined;
 use super::sharing::share;
 use crate::algebra::linear::Engine;
 use crate::algebra::linear::built_in::ranks;
@@ -50,6 +51,7 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
 
 /// Discretises `scene` with the stiffness that its solver needs.
 pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
+    let scene = &*refined(scene)?;
     match share(&scene.solver) {
         Some(engine) => shared(&*locked(scene, tightening)?, engine),
         None => discretise(scene),

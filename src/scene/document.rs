@@ -433,6 +433,7 @@ pub(super) struct Mesh {
     pub contact_elements: Option<i64>,
     pub outer_elements: Option<i64>,
     pub layers: Option<i64>,
+    pub refine: Option<f64>,
 }
 
 #[derive(Deserialize)]
