@@ -31,7 +31,8 @@ pub(super) fn refined(scene: &Scene) -> Result<Cow<'_, Scene>, RunError> {
     let Some(wanted) = scene.refine else { return Ok(Cow::Borrowed(scene)) };
     let fault =
         |message: String, help: &str| RunError::Scene(scene.located(InputError::new("mesh.refine", message, help)));
-    let mut scene_of = Scene { refine: None, ..scene.clone() };
+    let mut scene_of = scene.clone();
+    scene_of.refine = None;
     let mut bisection: Option<Bisection> = None;
     for _ in 0..MAX_LEVELS {
         let (error, squares) = {
@@ -80,7 +81,8 @@ fn errors(run: &Run<'_>, scene: &Scene) -> Result<(f64, Vec<f64>), RunError> {
     let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; model.mesh.cells.len()]);
     for increment in &recording.increments {
         let t = increment.record.time;
-        let estimate = ElementEstimate::of(model, t, &model.displaced(t, &increment.state.u))?;
+        let displacements = model.displaced(t, &increment.state.u);
+        let estimate = ElementEstimate::new(model, &model.thermal_factors(t), &displacements, &[]);
         let Some(own) = estimate.discretisation else { continue };
         error = error.max(own.whole);
         squares.iter_mut().zip(&own.of_cells).for_each(|(square, share)| *square = square.max(share * share));
