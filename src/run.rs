@@ -32,6 +32,7 @@ mod grid;
 mod lock;
 mod need;
 mod recording;
+mod refinement;
 pub mod report;
 mod results;
 mod start;
@@ -47,6 +48,7 @@ pub use error::RunError;
 pub use grid::grid;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
+pub use refinement::CoarserMesh;
 
 use crate::base::memory::Budget;
 use crate::body::description::CycleRequest;
@@ -86,6 +88,8 @@ pub struct Run<'a> {
     cycle: Option<CycleRequest>,
     /// The checkpoint from which the run resumes; `None` to begin with the unloaded body.
     from: Option<Checkpoint>,
+    /// The meshes that were solved before, if the mesh refined itself.
+    coarser_meshes: Vec<CoarserMesh>,
     /// Wall time of mesh, assembly and choice of the linear solver, s.
     model_seconds: f64,
 }
@@ -107,9 +111,10 @@ impl<'a> Run<'a> {
     /// As [`Run::new`].
     pub fn prepared(scene: &'a Scene, prepare: impl FnOnce(&Model)) -> Result<Self, RunError> {
         let start = Instant::now();
-        let model = Cow::Owned(for_run(scene)?);
+        let (model, coarser_meshes) = for_run(scene)?;
         prepare(&model);
-        Run::start(Some(scene), model, scene.time.all(), scene.solver, start)
+        let run = Run::start(Some(scene), Cow::Owned(model), scene.time.all(), scene.solver, start)?;
+        Ok(Run { coarser_meshes, ..run })
     }
 
     /// Prepares the run of a `model` made in Rust, over increments that end at `times` (s).
@@ -163,8 +168,21 @@ impl<'a> Run<'a> {
         MemoryEstimate::check(&model, &initial_set, choice.linear, budget)?;
         let model_seconds = start.elapsed().as_secs_f64();
         let cycle = scene.and_then(|scene| scene.output.cycle);
-        let (uniqueness, from) = (false, None);
-        Ok(Run { scene, model, times, solver, choice, budget, initial_set, uniqueness, cycle, from, model_seconds })
+        let (uniqueness, from, coarser_meshes) = (false, None, Vec::new());
+        Ok(Run {
+            scene,
+            model,
+            times,
+            solver,
+            choice,
+            budget,
+            initial_set,
+            uniqueness,
+            cycle,
+            from,
+            coarser_meshes,
+            model_seconds,
+        })
     }
 
     /// Requests the critical friction at the end.
@@ -211,6 +229,11 @@ impl<'a> Run<'a> {
     /// Returns the ends of the increments, s.
     pub fn times(&self) -> &[f64] {
         &self.times
+    }
+
+    /// Returns the meshes that were solved before, if the mesh refined itself.
+    pub fn coarser_meshes(&self) -> &[CoarserMesh] {
+        &self.coarser_meshes
     }
 
     /// Returns the linear solver and the reason for its choice.

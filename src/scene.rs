@@ -53,6 +53,8 @@ pub struct Scene {
     pub title: String,
     /// The model to solve.
     pub description: Description,
+    /// The error of the mesh in the energy norm, relative, up to which it refines itself; `None` to leave it as it is.
+    pub refine: Option<f64>,
     /// The history's end and increments, whose ends the description has.
     pub time: Time,
     /// The method, its constants and the linear algebra.

@@ -1,5 +1,6 @@
 //! Meshes in two and three dimensions with named boundaries and material groups. A mesh may consist of several bodies.
 
+mod bisection;
 mod block;
 mod bodies;
 mod check;
@@ -12,6 +13,7 @@ mod rules;
 mod sides;
 mod source;
 
+pub use bisection::Bisection;
 pub use block::block;
 pub use bodies::Bodies;
 pub use check::MeshFault;

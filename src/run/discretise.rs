@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::RunError;
 use super::lock::locked;
 use super::need::has_room;
+use super::refinement::{CoarserMesh, refined};
 use crate::algebra::linear::built_in::ranks;
 use crate::algebra::linear::{Engine, engine};
 use crate::base::memory::Budget;
@@ -47,12 +48,14 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
     suitable(scene, model_of(scene, None)?)
 }
 
-/// Discretises `scene` with the stiffness that its solver needs.
-pub(super) fn for_run(scene: &Scene) -> Result<Model, RunError> {
-    match share(&scene.solver) {
-        Some(engine) => shared(&*locked(scene, tightening)?, engine),
-        None => discretise(scene),
-    }
+/// Discretises `scene` with the stiffness that its solver needs, on the mesh that it asks for; returns the coarser meshes, too.
+pub(super) fn for_run(scene: &Scene) -> Result<(Model, Vec<CoarserMesh>), RunError> {
+    let (scene, meshes) = refined(scene)?;
+    let model = match share(&scene.solver) {
+        Some(engine) => shared(&*locked(&scene, tightening)?, engine)?,
+        None => discretise(&scene)?,
+    };
+    Ok((model, meshes))
 }
 
 /// If the solver was chosen automatically and needs a distributed stiffness, rebuilds the model of `scene` with one.

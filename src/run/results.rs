@@ -156,6 +156,7 @@ impl Run<'_> {
             unknowns: Unknowns::new(&outcome.layout, method.increments()),
             left_out: EliminatedUnknown::all(model, condensed, self.working_set().filter(|_| condensed)),
             working_set: outcome.working_set,
+            coarser_meshes: self.coarser_meshes.clone(),
             kinks: scene.map(|scene| scene.time.kinks.clone()).unwrap_or_default(),
             increments: watches.increments,
             exact_path: method.is_exact_path().then(|| ExactPath::of(outcome)),

@@ -592,6 +592,9 @@ pub(super) struct Mesh {
     pub outer_elements: Option<i64>,
     /// half-plane: layers, in geometric progression downwards.
     pub layers: Option<i64>,
+    /// The error of the stresses in the energy norm up to which a mesh of triangles or tetrahedra refines itself; 0.02 for 2 %.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
+    pub refine: Option<f64>,
 }
 
 /// The isotropic linear elastic material; in two dimensions of unit thickness.

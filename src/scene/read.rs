@@ -50,7 +50,7 @@ pub(super) fn scene(source: &Source) -> Result<Scene, SceneError> {
 
 fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
     let mut document = Document::parse(reader.source)?;
-    let Bodies { mesh, element, material, keys } = bodies::bodies(&mut document, reader)?;
+    let Bodies { mesh, element, refine, material, keys } = bodies::bodies(&mut document, reader)?;
     let source = Source { material_keys: keys, ..reader.source.clone() };
     let reader = Reader { source: &source, ..reader };
     let mut time = time(&document.time).map_err(|fault| reader.at(fault))?;
@@ -83,7 +83,7 @@ fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
     let output = output::output(document.output, &time, reader).map_err(|fault| reader.at(fault))?;
     let stem = || Path::new(&source.name).file_stem().map_or(String::new(), |stem| stem.to_string_lossy().into_owned());
     let title = document.title.unwrap_or_else(stem);
-    Ok(Scene { title, description, time, solver, one_tangent_key, petsc, output, source })
+    Ok(Scene { title, description, refine, time, solver, one_tangent_key, petsc, output, source })
 }
 
 /// Reads a table of a scene: names its keys in errors, and converts its numbers to SI.

@@ -11,6 +11,7 @@ mod mesh_error;
 mod nearly_incompressible;
 mod on_paper;
 mod published;
+mod refinement;
 mod rubber;
 mod surface_stress;
 mod verification;

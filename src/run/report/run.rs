@@ -20,6 +20,7 @@ use crate::base::units::UnitSystem;
 use crate::body::estimate::StickZone;
 use crate::body::model::{Model, RangeLeft};
 use crate::run::auto::Faster;
+use crate::run::refinement::CoarserMesh;
 use crate::solver::events::PathEnd;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, Status, WorkingSet};
 use crate::solver::laws::KktErrors;
@@ -105,6 +106,9 @@ pub struct RunReport {
     /// The working set of condensed equations, if it did not contain all contact nodes at first.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub working_set: Option<WorkingSet>,
+    /// The meshes on which the history was solved before, if the mesh refined itself.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub coarser_meshes: Vec<CoarserMesh>,
     /// Additional ends of increments, s: kinks of histories that do not coincide with ends of equal increments.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub kinks: Vec<f64>,

@@ -12,6 +12,8 @@ use crate::scene::document::{self, Document, Mesh, MeshKind, OneOrMany, Tuple};
 pub(super) struct Bodies {
     pub mesh: MeshSource,
     pub element: Element,
+    /// The least error that `mesh.refine` of a body asks for.
+    pub refine: Option<f64>,
     pub material: Material,
     /// The key of the material of each group of `material`, if there are several bodies.
     pub keys: Vec<String>,
@@ -27,8 +29,9 @@ pub(super) fn bodies(document: &mut Document, reader: Reader<'_>) -> Result<Bodi
         };
         let (mesh, given) = (mesh.ok_or_else(|| missing("mesh"))?, material.ok_or_else(|| missing("material"))?);
         let element = mesh.element.unwrap_or_default();
+        let refine = refine(&mesh, reader)?;
         let (mesh, material) = (self::source(&mesh, reader)?, self::material(given, reader));
-        return Ok(Bodies { mesh, element, material, keys: Vec::new() });
+        return Ok(Bodies { mesh, element, refine, material, keys: Vec::new() });
     }
     for (table, given) in [("mesh", mesh.is_some()), ("material", material.is_some())] {
         if given {
@@ -42,7 +45,7 @@ pub(super) fn bodies(document: &mut Document, reader: Reader<'_>) -> Result<Bodi
 
 fn several(given: Vec<document::BodyTable>, reader: Reader<'_>) -> Result<Bodies, SceneError> {
     let element = given[0].mesh.element.unwrap_or_default();
-    let (mut materials, mut keys) = (Vec::new(), Vec::new());
+    let (mut materials, mut keys, mut refine) = (Vec::new(), Vec::new(), None::<f64>);
     let bodies = reader.each("body", given, |document::BodyTable { name, at, mesh, material }, reader| {
         let own = mesh.element.unwrap_or_default();
         if own != element {
@@ -51,13 +54,15 @@ fn several(given: Vec<document::BodyTable>, reader: Reader<'_>) -> Result<Bodies
             let help = "all bodies have the same mesh.element, which is \"bilinear\" where it is left out";
             return reader.fault("mesh.element", message, help);
         }
+        let own = self::refine(&mesh, reader)?;
+        refine = [refine, own].into_iter().flatten().reduce(f64::min);
         keys.push(reader.path("material"));
         keys.extend((0..material.group.len()).map(|j| reader.path(&format!("material.group[{j}]"))));
         materials.push((name.clone(), self::material(material, reader)));
         Ok(Body { name, mesh: self::source(&mesh, reader)?, at: at.map(|at| reader.point(at)) })
     })?;
     let material = Material::of_bodies(materials).map_err(|fault| reader.at(fault))?;
-    Ok(Bodies { mesh: MeshSource::Bodies(bodies), element, material, keys })
+    Ok(Bodies { mesh: MeshSource::Bodies(bodies), element, refine, material, keys })
 }
 
 fn material(given: document::Material, reader: Reader<'_>) -> Material {
@@ -80,6 +85,14 @@ fn material(given: document::Material, reader: Reader<'_>) -> Material {
         layers: given.layers.into_iter().map(layer).collect(),
         groups: given.group.into_iter().map(group).collect(),
     }
+}
+
+/// Returns the error up to which the table `mesh` asks to refine it.
+fn refine(mesh: &Mesh, reader: Reader<'_>) -> Result<Option<f64>, SceneError> {
+    let help = "the error of the stresses in the energy norm, such as 0.02 for 2 %";
+    let is_valid = mesh.refine.is_none_or(|share| share > 0.0 && share < 1.0);
+    let checked = ensure(is_valid, "mesh.refine", &mesh.refine.unwrap_or_default(), "above 0 and below 1", help);
+    checked.map_err(|fault| reader.at(fault)).map(|()| mesh.refine)
 }
 
 const KIND: &str = "mesh.kind";

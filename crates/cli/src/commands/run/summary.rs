@@ -47,6 +47,10 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
     } else {
         String::new()
     };
+    if let [first, ..] = run.coarser_meshes() {
+        let nodes = model.mesh.nodes.len();
+        say!("mesh         refined {} times, from {} to {nodes} nodes", run.coarser_meshes().len(), first.nodes);
+    }
     say!("method       {}, setting {}", method.name(), method.setting());
     if let Some(reason) = choice.reason() {
         say!("solver       auto: {reason}");

@@ -1,0 +1,93 @@
+//! Meshes that refine themselves: what they cost, and how fast their errors fall.
+
+use crate::common::prelude::*;
+use stickslip::run::RunError;
+
+/// A cylinder that is pressed into a block and pushed sideways, in partial slip.
+const CYLINDER: &str = r#"
+    [mesh] kind = "block", size = [1, 1], elements = [8, 8], cells = "triangle", refine = 0.05
+    [material] young = 210e9, poisson = 0.3, plane = "strain"
+    [[support]] boundary = "bottom", fix = ["x", "y"]
+    [[contact]] boundary = "top", friction = 0.3
+    [contact.obstacle] kind = "cylinder", radius = 10, apex = [0.5, 1], normal = [0, 1], tangent = [1, 0]
+    approach = [[0, 0], [1, 1e-4]]
+    motion.translation = [[1, 0, 0], [2, 2.2e-5, 0]]
+    [time] end = 2, increments = 8
+    [output] times = [1, 2]
+"#;
+
+/// Solves the scene of `text`; returns its report and the number of its nodes.
+fn solved_scene(text: &str, overrides: &[&str]) -> (RunReport, usize) {
+    let scene = parsed_with(&scene_text(text), overrides);
+    let run = Run::new(&scene).unwrap();
+    (run.solve(&mut ()).unwrap(), run.model().mesh.nodes.len())
+}
+
+fn error_of(report: &RunReport) -> f64 {
+    report.estimates.discretisation.unwrap()
+}
+
+/// The limits are those of uniform meshes with up to 263 169 nodes and of refined ones.
+#[test]
+fn a_cylinder_on_a_refined_mesh_is_within_a_percent() {
+    let (report, nodes) = solved_scene(CYLINDER, &[]);
+    let (force, work) = (report.largest_force.as_ref().unwrap().force, report.friction.unwrap().work);
+    println!("{nodes} nodes: error {:.3}, force {force:.5e} N/m, work {work:.4} J/m", error_of(&report));
+    assert!(nodes < 2500 && error_of(&report) < 0.055, "{nodes} {}", error_of(&report));
+    assert!((force / 7.5335e6 - 1.0).abs() < 0.01 && (work / 1.136 - 1.0).abs() < 0.01, "{force} {work}");
+}
+
+/// Where stresses are singular, at the ends of a side that is held, errors fall as fast as elsewhere: as N^(-1/2) with
+/// linear triangles and as 1/N with those of second order. Uniform meshes reach N^(-0.36).
+#[test]
+fn singular_corners_do_not_slow_a_refined_mesh() {
+    let block = r#"
+        [mesh] kind = "block", size = [1, 1], elements = [4, 4], cells = "triangle"
+        [material] young = 1e9, poisson = 0.3, plane = "strain"
+        [[support]] boundary = "bottom", fix = ["x", "y"]
+        [[load]] boundary = "top", traction = [0, -1e6]
+        [time] end = 1, increments = 1
+    "#;
+    for (cells, order, refined) in [("triangle", 0.5, [0.08, 0.02]), ("triangle6", 1.0, [0.02, 0.002])] {
+        let cells = format!("mesh.cells=\"{cells}\"");
+        let at = |error: f64| {
+            let (report, nodes) = solved_scene(block, &[&cells, &format!("mesh.refine={error}")]);
+            println!("{cells} {error}: {nodes} nodes, error {:.4}", error_of(&report));
+            (nodes as f64, error_of(&report))
+        };
+        let [coarse, fine] = refined.map(at);
+        let found = (coarse.1 / fine.1).ln() / (fine.0 / coarse.0).ln();
+        println!("order {found:.3}");
+        assert!(found > 0.9 * order, "{found}");
+    }
+}
+
+/// Tetrahedra, and two bodies of which each has its own mesh.
+#[test]
+fn tetrahedra_and_several_bodies_refine_themselves() {
+    let bodies = r#"
+        [[body]] name = "lower"
+        [body.mesh] kind = "block", size = [1, 1, 0.5], elements = [2, 2, 1], cells = "tetrahedron", refine = 0.2
+        [body.material] young = 1e9, poisson = 0.3
+        [[body]] name = "upper", at = [0.25, 0.25, 0.5]
+        [body.mesh] kind = "block", size = [0.5, 0.5, 0.5], elements = [1, 1, 1], cells = "tetrahedron"
+        [body.material] young = 1e9, poisson = 0.3
+        [[support]] boundary = "lower:bottom", fix = ["x", "y", "z"]
+        [[support]] boundary = "upper:top", fix = ["x", "y", "z"], displacement = [0, 0, -1e-3]
+        [[contact]] boundary = "upper:bottom", against = "lower:top", friction = 0.3
+        [time] end = 1, increments = 2
+    "#;
+    let (report, nodes) = solved_scene(bodies, &[]);
+    println!("{nodes} nodes, error {:.3}", error_of(&report));
+    assert_eq!(report.status.to_string(), "converged");
+    assert!(error_of(&report) < 0.22, "{}", error_of(&report));
+}
+
+#[test]
+fn other_cells_and_errors_are_refused() {
+    let scene = |overrides: &[&str]| Run::new(&parsed_with(&scene_text(CYLINDER), overrides)).unwrap_err();
+    let RunError::Scene(error) = scene(&["mesh.cells=\"quadrilateral\""]) else { panic!() };
+    assert!(error.to_string().contains("mesh.refine"), "{error}");
+    let scene = Scene::parse("scene.toml", &scene_text(CYLINDER), &["mesh.refine=2".parse().unwrap()]);
+    assert!(scene.unwrap_err().to_string().contains("mesh.refine"));
+}
