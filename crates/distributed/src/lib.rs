@@ -5,9 +5,8 @@
 
 mod direct;
 mod exchange;
-mod handle;
+mod job;
 mod multigrid;
-mod part;
 mod petsc;
 mod ranks;
 mod rows;

@@ -18,12 +18,11 @@ use stickslip::algebra::linear::{
 };
 use stickslip::algebra::{Csc, Pattern};
 
-use crate::expect_length;
-use crate::handle::Handle;
+use crate::job::{Job, Own, Remote};
 use crate::petsc::Found;
-use crate::ranks;
 use crate::stiffness::SharedStiffness;
-use crate::system::{By, Change, Contact, Entry, Outcome, Setup, Values};
+use crate::system::{By, Change, Contact, Outcome, Places, Setup, Values, factorize, solve};
+use crate::{direct, expect_length, ranks};
 use layout::Layout;
 use node::Eliminated;
 
@@ -39,7 +38,8 @@ const WORN: f64 = 1.6;
 const SET_UP: f64 = 20.0;
 
 /// Options of PETSc for all systems, before those of the user.
-const OPTIONS: &str = "-ksp_type fgmres -contact_pc_type gamg -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded";
+const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded \
+    -contact_ksp_type preonly -contact_pc_type gamg";
 /// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
 const SYMMETRIC: [&str; 2] =
     ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
@@ -54,6 +54,8 @@ pub(crate) struct Multigrid {
     system: Option<System>,
     /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the others.
     cycles: Vec<Cycle>,
+    /// `true` once PETSc has asked for all of them.
+    is_checked: bool,
     /// `true` once MUMPS has taken over.
     gave_way: bool,
     /// The iterations since the last query.
@@ -62,7 +64,7 @@ pub(crate) struct Multigrid {
 
 /// The systems of one pattern.
 struct System {
-    handle: Handle,
+    remote: Remote,
     layout: Layout,
     order: usize,
     pattern: Arc<Pattern>,
@@ -110,6 +112,7 @@ impl Multigrid {
         Multigrid {
             grid,
             options: options.map(str::to_string),
+            is_checked: false,
             stiffness: shared.cloned(),
             system: None,
             cycles: Vec::new(),
@@ -128,11 +131,14 @@ impl Multigrid {
         (a.leading().is_some() || a.distributed().is_some()) && self.shared(a).is_none()
     }
 
-    /// Passes the `values` of the present matrix on, with its cycle or a new one.
-    fn prepare(&mut self, values: Values<'_>) -> Result<Outcome, LinearError> {
-        let System { handle, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+    /// Passes the values of the present matrix on, `factor` times the stiffness and `others`, or leaves them without a factor, with
+    /// its cycle or a new one.
+    fn prepare(&mut self, factor: Option<f64>, others: [&[f64]; 2]) -> Result<Outcome, LinearError> {
+        let System { remote, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        let [stiffness, rest] = others;
         if self.gave_way {
-            return handle.factorize(&Change { values, by: By::Factors })?.checked();
+            let values = Values { stiffness, rest, contact: None };
+            return factorize(remote, Change { factor, by: By::Factors }, values)?.checked();
         }
         let Some((nodes, contact, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         // In the oblique form the swept terms differ from matrix to matrix.
@@ -144,8 +150,8 @@ impl Multigrid {
             Some(serving) => serving.lent = true,
             None => self.cycles.retain(|other| other.all_held != cycle),
         }
-        let by = By::Options { contact, cycle: cycle.into(), fresh, unsymmetric };
-        let outcome = handle.factorize(&Change { values, by })?;
+        let by = By::Options { cycle: cycle.into(), fresh, unsymmetric };
+        let outcome = factorize(remote, Change { factor, by }, Values { stiffness, rest, contact: Some(contact) })?;
         if fresh {
             let held = nodes.iter().map(|node| node.held).collect();
             self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, lent: false });
@@ -155,19 +161,23 @@ impl Multigrid {
 
     /// Solves with the present cycle. Returns PETSc's end, and `true` if a new cycle might help.
     fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<(Found, bool), LinearError> {
-        let System { handle, order, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        let System { remote, order, present, .. } = self.system.as_ref().ok_or(crate::NOT_ANALYZED)?;
         expect_length("right-hand side", *order, b.len())?;
         expect_length("solution", *order, x.len())?;
         if self.gave_way {
-            return Ok((handle.solve(tolerance, None, b, x)?, false));
+            return Ok((solve(remote, tolerance, None, b, x)?, false));
         }
         let Some((_, _, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         let cycle = self.cycles.iter_mut().find(|cycle| cycle.all_held == *all_held).ok_or(crate::NOT_FACTORIZED)?;
         let limit = cycle.patience(tolerance);
         let limit = (self.options.is_none() || cycle.lent).then_some(limit);
-        let found = handle.solve(tolerance, limit, b, x)?;
+        let found = solve(remote, tolerance, limit, b, x)?;
         self.iterated.iterations += found.iterations;
         cycle.took(found.iterations, if found.reason > 0 { tolerance } else { 0.1 });
+        if let (Some(options), false) = (&self.options, self.is_checked) {
+            ranks::check_options(options)?;
+            self.is_checked = true;
+        }
         Ok((found, cycle.lent))
     }
 }
@@ -193,18 +203,20 @@ impl LinearSolver for Multigrid {
         expect_length("changed displacements of a shared stiffness", 0, changed)?;
         let layout = Layout::new(&self.grid, a.order(), shared.map(|shared| &**shared.numbering()), ranks)?;
         let smoother = if self.grid.interior { UNSYMMETRIC } else { SYMMETRIC[usize::from(ranks > 1)] };
+        let [stiffness, rest] = layout.entries(a.rest().entries(), shared.is_some());
+        let motions = layout.motions(&self.grid);
         let setup = Setup {
             dimension: layout.dimension,
-            options: [OPTIONS, smoother, self.options.as_deref().unwrap_or("")].join(" "),
+            options: [direct::OPTIONS, OPTIONS, smoother, self.options.as_deref().unwrap_or("")].join(" "),
             nodes: layout.nodes.clone(),
             rows: layout.rows.clone(),
-            places: &layout.places,
-            motions: layout.motions(&self.grid),
-            entries: shared.is_none().then(|| layout.entries(a.rest().entries())),
+            motions: motions.len(),
+            stiffness: shared.map(SharedStiffness::number),
         };
-        let handle = Handle::new(shared.map(SharedStiffness::parts), setup)?;
+        let places = Places { rows: &layout.places, motions, stiffness, rest };
+        let remote = Remote::new(Job::System(setup), Own { places, ..Own::default() })?;
         let pattern = Arc::clone(a.pattern());
-        self.system = Some(System { handle, layout, order: a.order(), pattern, present: None });
+        self.system = Some(System { remote, layout, order: a.order(), pattern, present: None });
         Ok(())
     }
 
@@ -228,19 +240,8 @@ impl LinearSolver for Multigrid {
         let nodes = layout.nodes(a, oblique);
         let all_held = nodes.iter().all(|node| node.all_held);
         *present = Some((nodes.clone(), layout.contact(&nodes), all_held));
-        let outcome = if let Some(factor) = factor {
-            let place = |at: usize| layout.places[at];
-            let rest = a.rest().entries().filter(|(_, _, value)| *value != 0.0);
-            let rest: Vec<Entry> = rest.map(|(row, column, value)| (place(row), place(column), value)).collect();
-            self.prepare(Values::Beside(factor, &rest))?
-        } else {
-            let diagonal = |dof: usize| Some(a.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0);
-            let missing = layout.missing.iter().map(|&(_, dof)| diagonal(dof));
-            let values: Vec<f64> = a.rest().values().iter().copied().chain(missing).collect();
-            self.prepare(Values::Whole(&values))?
-        };
-        let entries = outcome.entries as usize;
-        Ok(FactorInfo { entries, flops: outcome.flops, pivot_ratio: outcome.pivots, peak_bytes: outcome.peak_bytes })
+        let values = layout.values(a, factor.is_some());
+        Ok(self.prepare(Some(factor.unwrap_or(1.0)), [&values[0], &values[1]])?.info())
     }
 
     fn iterates(&self) -> bool {
@@ -256,7 +257,7 @@ impl LinearSolver for Multigrid {
         if found.reason <= 0 && lent {
             // The reused cycle converges too slowly; make a new one for this matrix.
             self.cycles.clear();
-            self.prepare(Values::Same)?;
+            self.prepare(None, [&[], &[]])?;
             found = self.iterate(b, x, tolerance)?.0;
         }
         if found.reason > 0 {
@@ -268,7 +269,7 @@ impl LinearSolver for Multigrid {
         // The iterations stall, so a factorisation shared among ranks, which adds the least memory, takes over.
         self.gave_way = true;
         self.cycles.clear();
-        self.prepare(Values::Same)?;
+        self.prepare(None, [&[], &[]])?;
         self.iterated.instead = Some(SparseLu::Mumps);
         let (found, _) = self.iterate(b, x, tolerance)?;
         if found.reason > 0 { Ok(()) } else { Err(not_converged(found)) }
@@ -289,7 +290,7 @@ fn not_converged(found: Found) -> LinearError {
         _ => ("it broke down", "take another -ksp_type or -pc_type"),
     };
     let reason = format!("{why} in {iterations} iterations (reason {reason})");
-    LinearError::Engine { engine: "PETSc", step: "the solve", reason, help }
+    LinearError::Engine { engine: "PETSc", step: "the solve", reason, help, of_options: false }
 }
 
 #[cfg(test)]
