@@ -9,7 +9,7 @@ const ALLOWED: [&str; 9] = [
     "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|Options(SetValue|Clear|InsertString|HasName|LeftGet|LeftRestore)|PushErrorHandler)",
     "PETSC_(COMM_WORLD|DETERMINE|DEFAULT)",
     "Mat(Create|Destroy|SetSizes|SetBlockSizes?|SetType|SetOption|(Seq|MPI)AIJSetPreallocationCSR|SetPreallocationCOO|SetValuesCOO)",
-    "Mat(CreateNest|CreateComposite|CompositeSetScalings|CreateSubMatrix|MatMult|AXPY|Mult|GetDiagonal|GetRowMaxAbs|GetInfo)",
+    "Mat(CreateNest|CreateComposite|CompositeSetScalings|CreateSubMatrix|MatMult|Duplicate|Scale|AXPY|Mult|GetDiagonal|GetRowMaxAbs|GetInfo)",
     "Mat(GetOwnershipRange|GetSize|GetRow|RestoreRow|SetNearNullSpace|NullSpaceCreate|NullSpaceDestroy|MumpsGetInfog|MumpsGetRinfog)",
     "(MatPartitioning(Create|SetAdjacency|SetFromOptions|Apply|Destroy)|IS(CreateGeneral|GetIndices|RestoreIndices|Destroy))",
     "Vec(Create|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Destroy|Scatter(Create|CreateToAll|Begin|End|Destroy))",

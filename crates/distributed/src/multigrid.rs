@@ -28,8 +28,10 @@ use node::Eliminated;
 
 /// The number of iterations beyond which a direct solver is faster.
 const MAX_ITERATIONS: usize = 60;
-/// The default relative residual; refinement does the rest.
+/// The default relative residual; refinement does the rest. It is that of all solves in the plane, where inexact steps cost more
+/// Newton iterations than they save of the Krylov method, and of the last steps: those that may leave less than `LAST`.
 const TIGHT: f64 = 1e-10;
+const LAST: f64 = 1e-4;
 /// A cycle is reused if the share of contact nodes with more or fewer constrained directions is below this.
 const CHANGED: f64 = 0.1;
 /// A cycle is not reused if it takes this many times its initial iterations per digit.
@@ -37,9 +39,9 @@ const WORN: f64 = 1.6;
 /// The number of iterations that take as long as making a cycle.
 const SET_UP: f64 = 20.0;
 
-/// Options of PETSc for all systems, before those of the user.
+/// Options of PETSc for all systems, before those of the user; MUMPS, if the user takes it, needs room for pivots that it delays.
 const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded \
-    -contact_ksp_type preonly -contact_pc_type gamg";
+    -contact_ksp_type preonly -contact_pc_type gamg -mat_mumps_icntl_14 100";
 /// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
 const SYMMETRIC: [&str; 2] =
     ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
@@ -253,6 +255,8 @@ impl LinearSolver for Multigrid {
     }
 
     fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let is_tight = self.grid.dimension == 2 || tolerance < LAST;
+        let tolerance = if is_tight { tolerance.min(TIGHT) } else { tolerance };
         let (mut found, lent) = self.iterate(b, x, tolerance)?;
         if found.reason <= 0 && lent {
             // The reused cycle converges too slowly; make a new one for this matrix.

@@ -130,9 +130,11 @@ impl Matrix {
         Ok(made)
     }
 
-    /// Creates the sum of these matrices, each times its factor.
-    pub(crate) fn sum(sizes: [usize; 2], terms: &[(f64, &Matrix)]) -> Result<Self, LinearError> {
-        let made = Self::of(sizes, [1; 2], std::iter::empty())?;
+    /// Creates `factor` times this matrix, plus others times their factors.
+    pub(crate) fn plus(&self, factor: f64, terms: &[(f64, &Matrix)]) -> Result<Self, LinearError> {
+        let mut made = Matrix(ptr::null_mut());
+        call!(MAKING, MatDuplicate(self.0, sys::MatDuplicateOption_MAT_COPY_VALUES, &raw mut made.0))?;
+        call!(MAKING, MatScale(made.0, factor))?;
         let pattern = sys::MatStructure_DIFFERENT_NONZERO_PATTERN;
         for (factor, term) in terms {
             call!(MAKING, MatAXPY(made.0, *factor, term.0, pattern))?;

@@ -175,7 +175,7 @@ impl System {
         self.is_factored = false;
         let stiffness = self.stiffness.clone().ok_or(crate::NOT_ANALYZED)?;
         if self.has_other {
-            self.krylov = Some(Krylov::new(c"", &self.assembled()?, None)?);
+            self.krylov = Some(Krylov::new(c"", &self.assembled(&stiffness)?, None)?);
         } else {
             self.by_options(&stiffness, own.contact.unwrap_or(&Contact::default()), change.by)?;
         }
@@ -184,12 +184,9 @@ impl System {
     }
 
     /// Returns the whole matrix, assembled.
-    fn assembled(&self) -> Result<Matrix, LinearError> {
-        let all = self.setup.rows[self.rank + 1] - self.setup.rows[self.rank];
+    fn assembled(&self, k: &Matrix) -> Result<Matrix, LinearError> {
         let [to, back] = &self.ones;
-        let wide = self.stiffness.as_ref().map(|k| to.times(k)?.times(back)).transpose()?;
-        let terms = wide.iter().map(|wide| (self.factor, wide)).chain([(1.0, &self.rest)]);
-        Matrix::sum([all; 2], &terms.collect::<Vec<_>>())
+        to.times(k)?.times(back)?.plus(self.factor, &[(1.0, &self.rest)])
     }
 
     /// Prepares to solve as the options say, with contact eliminated.
@@ -201,16 +198,10 @@ impl System {
         let of = |sizes, entries: &[Entry]| Matrix::of(sizes, [1; 2], entries.iter().copied());
         let (held, reactions) = (of([all; 2], &contact.held)?, of([all; 2], &contact.reactions)?);
         let (to_more, from_more) = (of([all, free], &contact.to_all)?, of([free, all], &contact.from_all)?);
-        let to_all = Matrix::sum([all, free], &[(1.0, to), (1.0, &to_more)])?;
-        let from_all = Matrix::sum([free, all], &[(1.0, back), (1.0, &from_more)])?;
-        let a_times = |m: &Matrix, columns: usize| {
-            let by_k = to.times(&k.times(&back.times(m)?)?)?;
-            Matrix::sum([all, columns], &[(f, &by_k), (1.0, &rest.times(m)?)])
-        };
-        let times_a = |m: &Matrix, rows: usize| {
-            let by_k = m.times(to)?.times(k)?.times(back)?;
-            Matrix::sum([rows, all], &[(f, &by_k), (1.0, &m.times(rest)?)])
-        };
+        let to_all = to.plus(1.0, &[(1.0, &to_more)])?;
+        let from_all = back.plus(1.0, &[(1.0, &from_more)])?;
+        let a_times = |m: &Matrix| to.times(&k.times(&back.times(m)?)?)?.plus(f, &[(1.0, &rest.times(m)?)]);
+        let times_a = |m: &Matrix| m.times(to)?.times(k)?.times(back)?.plus(f, &[(1.0, &m.times(rest)?)]);
         let By::Options { cycle, fresh, unsymmetric } = by else { return Err(crate::NOT_FACTORIZED) };
         if fresh {
             // The old cycle is dropped before a new one is made.
@@ -218,19 +209,19 @@ impl System {
             // F = J + F_c and R = Jᵀ + R_c make R A F = f K + Jᵀ C J + R A F_c + R_c A J.
             let added = of([free; 2], &contact.added)?;
             let by_rest = back.times(rest)?.times(to)?;
-            let by_to = from_all.times(&a_times(&to_more, free)?)?;
-            let by_from = times_a(&from_more, free)?.times(to)?;
-            let terms = [(1.0, &added), (1.0, &by_rest), (1.0, &by_to), (1.0, &by_from), (f, k)];
-            let between = Matrix::sum([free; 2], &terms)?;
+            let by_to = from_all.times(&a_times(&to_more)?)?;
+            let by_from = times_a(&from_more)?.times(to)?;
+            let beside = added.plus(1.0, &[(1.0, &by_rest), (1.0, &by_to), (1.0, &by_from)])?;
+            let between = k.plus(f, &[(1.0, &beside)])?;
             self.cycles.insert(cycle, Cycle::new(&between, d, &self.kernel, !unsymmetric)?);
         }
-        let (by_held, by_reactions) = (a_times(&held, all)?, times_a(&reactions, all)?);
+        let (by_held, by_reactions) = (a_times(&held)?, times_a(&reactions)?);
         let [less_from, less_to] = [from_all.times(&by_held)?, by_reactions.times(&to_all)?];
         let less = reactions.times(&by_held)?;
         let parts = Parts {
-            known: Matrix::sum([all; 2], &[(1.0, &held), (1.0, &reactions), (-1.0, &less)])?,
-            from_all: Matrix::sum([free, all], &[(1.0, &from_all), (-1.0, &less_from)])?,
-            to_all: Matrix::sum([all, free], &[(1.0, &to_all), (-1.0, &less_to)])?,
+            known: held.plus(1.0, &[(1.0, &reactions), (-1.0, &less)])?,
+            from_all: from_all.plus(1.0, &[(-1.0, &less_from)])?,
+            to_all: to_all.plus(1.0, &[(-1.0, &less_to)])?,
         };
         let places: Vec<Int> = (rows[*rank]..rows[*rank + 1]).map(|row| row as Int).collect();
         let (of_free, of_forces) = places.split_at(free);
@@ -249,7 +240,7 @@ impl System {
         let mut room = ROOM;
         self.cycles.clear();
         let mut krylov = self.krylov.take().filter(|_| self.is_factored);
-        let assembled = self.stiffness.as_ref().map(|_| self.assembled()).transpose()?;
+        let assembled = self.stiffness.as_ref().map(|k| self.assembled(k)).transpose()?;
         let matrix = assembled.as_ref().unwrap_or(&self.rest);
         for _ in 0..TRIES {
             let made = if let Some(made) = krylov.take() {

@@ -93,6 +93,7 @@ impl Krylov {
         if let Some(cycle) = cycle {
             call!(STEP, KSPSetPC(method.0, cycle.whole.0))?;
         }
+        call!(STEP, KSPSetOperators(method.0, matrix.0, matrix.0))?;
         call!(STEP, KSPSetFromOptions(method.0))?;
         let made = Krylov(method);
         made.set_up(matrix)?;
