@@ -95,9 +95,9 @@ impl LinearSolver for Direct {
         self.is_factored = false;
         let rest = [values, &vec![0.0; *added]].concat();
         let change = Change { factor: Some(1.0), by: By::Factors };
-        let told = factorize(system, change, Values { rest: &rest, ..Values::default() })?.checked()?;
+        let info = factorize(system, change, Values { rest: &rest, ..Values::default() })?;
         self.is_factored = true;
-        Ok(told.info())
+        Ok(info)
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {

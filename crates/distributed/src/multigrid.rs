@@ -21,7 +21,7 @@ use stickslip::algebra::{Csc, Pattern};
 use crate::job::{Job, Own, Remote};
 use crate::petsc::Found;
 use crate::stiffness::SharedStiffness;
-use crate::system::{By, Change, Contact, Outcome, Places, Setup, Values, factorize, solve};
+use crate::system::{By, Change, Contact, Places, Setup, Values, factorize, solve};
 use crate::{direct, expect_length, ranks};
 use layout::Layout;
 use node::Eliminated;
@@ -135,12 +135,12 @@ impl Multigrid {
 
     /// Passes the values of the present matrix on, `factor` times the stiffness and `others`, or leaves them without a factor, with
     /// its cycle or a new one.
-    fn prepare(&mut self, factor: Option<f64>, others: [&[f64]; 2]) -> Result<Outcome, LinearError> {
+    fn prepare(&mut self, factor: Option<f64>, others: [&[f64]; 2]) -> Result<FactorInfo, LinearError> {
         let System { remote, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
         let [stiffness, rest] = others;
         if self.gave_way {
             let values = Values { stiffness, rest, contact: None };
-            return factorize(remote, Change { factor, by: By::Factors }, values)?.checked();
+            return factorize(remote, Change { factor, by: By::Factors }, values);
         }
         let Some((nodes, contact, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         // In the oblique form the swept terms differ from matrix to matrix.
@@ -153,12 +153,12 @@ impl Multigrid {
             None => self.cycles.retain(|other| other.all_held != cycle),
         }
         let by = By::Options { cycle: cycle.into(), fresh, unsymmetric };
-        let outcome = factorize(remote, Change { factor, by }, Values { stiffness, rest, contact: Some(contact) })?;
+        let info = factorize(remote, Change { factor, by }, Values { stiffness, rest, contact: Some(contact) })?;
         if fresh {
             let held = nodes.iter().map(|node| node.held).collect();
             self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, lent: false });
         }
-        Ok(outcome)
+        Ok(info)
     }
 
     /// Solves with the present cycle. Returns PETSc's end, and `true` if a new cycle might help.
@@ -205,7 +205,7 @@ impl LinearSolver for Multigrid {
         expect_length("changed displacements of a shared stiffness", 0, changed)?;
         let layout = Layout::new(&self.grid, a.order(), shared.map(|shared| &**shared.numbering()), ranks)?;
         let smoother = if self.grid.interior { UNSYMMETRIC } else { SYMMETRIC[usize::from(ranks > 1)] };
-        let [stiffness, rest] = layout.entries(a.rest().entries(), shared.is_some());
+        let ([stiffness, rest], _) = layout.entries(a, shared.is_some());
         let motions = layout.motions(&self.grid);
         let setup = Setup {
             dimension: layout.dimension,
@@ -242,8 +242,8 @@ impl LinearSolver for Multigrid {
         let nodes = layout.nodes(a, oblique);
         let all_held = nodes.iter().all(|node| node.all_held);
         *present = Some((nodes.clone(), layout.contact(&nodes), all_held));
-        let values = layout.values(a, factor.is_some());
-        Ok(self.prepare(Some(factor.unwrap_or(1.0)), [&values[0], &values[1]])?.info())
+        let (_, [stiffness, rest]) = layout.entries(a, factor.is_some());
+        self.prepare(Some(factor.unwrap_or(1.0)), [&stiffness, &rest])
     }
 
     fn iterates(&self) -> bool {

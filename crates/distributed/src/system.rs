@@ -85,17 +85,6 @@ pub(crate) struct Contact {
     pub added: Vec<Entry>,
 }
 
-/// The properties of the present factors or of the matrix.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Outcome {
-    /// MUMPS's status, which is equal on all ranks; 0 without it.
-    pub status: Int,
-    pub entries: f64,
-    pub flops: f64,
-    pub pivots: f64,
-    pub peak_bytes: f64,
-}
-
 /// The part of one rank.
 pub(crate) struct System {
     setup: Setup,
@@ -159,7 +148,7 @@ impl System {
         })
     }
 
-    /// Takes over values, and prepares to solve. Returns the numbers of an [`Outcome`].
+    /// Takes over values, and prepares to solve. Returns the numbers of [`info`].
     pub(crate) fn factorize(&mut self, change: &Change, own: Values<'_>) -> Result<Vec<f64>, LinearError> {
         if let Some(factor) = change.factor {
             self.factor = factor;
@@ -169,7 +158,7 @@ impl System {
             }
         }
         if let By::Factors = change.by {
-            return Ok(self.factors()?.told());
+            return self.factors();
         }
         self.krylov = None;
         self.is_factored = false;
@@ -180,7 +169,7 @@ impl System {
             self.by_options(&stiffness, own.contact.unwrap_or(&Contact::default()), change.by)?;
         }
         let entries = stiffness.entries()? + self.rest.entries()?;
-        Ok(Outcome { entries, pivots: 1.0, ..Outcome::default() }.told())
+        Ok(vec![0.0, entries, 0.0, 1.0, 0.0])
     }
 
     /// Returns the whole matrix, assembled.
@@ -233,7 +222,7 @@ impl System {
     }
 
     /// Factors the matrix. If that takes more memory than predicted, it is repeated with more room.
-    fn factors(&mut self) -> Result<Outcome, LinearError> {
+    fn factors(&mut self) -> Result<Vec<f64>, LinearError> {
         /// The room of the factors beyond the prediction, in per cent, and the number of attempts with more.
         const ROOM: usize = 30;
         const TRIES: usize = 7;
@@ -258,11 +247,11 @@ impl System {
                 let (pivots, peak_bytes) = (least / largest, 1e6 * f64::from(peak));
                 // MUMPS does not factor with an instance that has failed.
                 self.krylov = Some(made).filter(|_| self.is_factored);
-                return Ok(Outcome { status, entries, flops, pivots, peak_bytes });
+                return Ok(vec![status.into(), entries, flops, pivots, peak_bytes]);
             }
             room = 2 * room + 20;
         }
-        Ok(Outcome { status: -9, ..Outcome::default() })
+        Ok(vec![-9.0, 0.0, 0.0, 0.0, 0.0])
     }
 
     /// Solves `A x = b` from 0 to a relative residual of `tolerance`, in at most `limit` iterations if that is given. Rank 0 has
@@ -282,47 +271,30 @@ impl System {
     }
 }
 
-impl Outcome {
-    /// Returns the numbers that a job returns, and the outcome of these.
-    fn told(self) -> Vec<f64> {
-        vec![self.status.into(), self.entries, self.flops, self.pivots, self.peak_bytes]
-    }
-
-    pub(crate) fn of(told: &[f64]) -> Self {
-        let number = |k: usize| told.get(k).copied().unwrap_or(0.0);
-        let [status, entries, flops, pivots, peak_bytes] = [0, 1, 2, 3, 4].map(number);
-        Outcome { status: status as Int, entries, flops, pivots, peak_bytes }
-    }
-
-    /// Returns what the library reports.
-    pub(crate) fn info(self) -> FactorInfo {
-        let Outcome { entries, flops, pivots, peak_bytes, .. } = self;
-        FactorInfo { entries: entries as usize, flops, pivot_ratio: pivots, peak_bytes }
-    }
-
-    /// Returns an error unless MUMPS succeeded.
-    pub(crate) fn checked(self) -> Result<Self, LinearError> {
-        /// The status of a zero pivot.
-        const SINGULAR: Int = -10;
-        const STEP: &str = "the factorisation";
-        match self.status {
-            // Positive statuses are warnings.
-            0.. => Ok(self),
-            SINGULAR => Err(LinearError::Singular { pivot_ratio: 0.0 }),
-            // Memory was refused, a caller's limit or the 32-bit range was exceeded, or the prediction was too small
-            // despite more memory.
-            -7 | -8 | -9 | -11 | -15..=-13 | -17 | -19 | -20 | -51 | -52 => {
-                Err(LinearError::OutOfMemory { step: STEP })
-            }
-            status => Err(LinearError::Backend { backend: "mumps", step: STEP, status: status.into() }),
-        }
+/// Returns the properties of the present factors or of the matrix: MUMPS's status, which is equal on all ranks and 0 without it,
+/// the entries, operations, ratio of pivots, and peak memory in bytes.
+///
+/// # Errors
+/// If MUMPS failed.
+fn info(told: &[f64]) -> Result<FactorInfo, LinearError> {
+    /// The status of a zero pivot.
+    const SINGULAR: Int = -10;
+    const STEP: &str = "the factorisation";
+    let &[status, entries, flops, pivot_ratio, peak_bytes] = told else { return Err(crate::NOT_FACTORIZED) };
+    match status as Int {
+        // Positive statuses are warnings.
+        0.. => Ok(FactorInfo { entries: entries as usize, flops, pivot_ratio, peak_bytes }),
+        SINGULAR => Err(LinearError::Singular { pivot_ratio: 0.0 }),
+        // Memory was refused, a caller's limit or the 32-bit range was exceeded, or the prediction was too small
+        // despite more memory.
+        -7 | -8 | -9 | -11 | -15..=-13 | -17 | -19 | -20 | -51 | -52 => Err(LinearError::OutOfMemory { step: STEP }),
+        status => Err(LinearError::Backend { backend: "mumps", step: STEP, status: status.into() }),
     }
 }
 
 /// Passes a change to all ranks, which prepare to solve.
-pub(crate) fn factorize(system: &Remote, change: Change, values: Values<'_>) -> Result<Outcome, LinearError> {
-    let told = system.run(Job::Factorize(change), Own { values, ..Own::default() })?;
-    Ok(Outcome::of(&told))
+pub(crate) fn factorize(system: &Remote, change: Change, values: Values<'_>) -> Result<FactorInfo, LinearError> {
+    info(&system.run(Job::Factorize(change), Own { values, ..Own::default() })?)
 }
 
 /// Solves `A x = b` as [`System::solve`] says.
@@ -335,6 +307,6 @@ pub(crate) fn solve(
 ) -> Result<Found, LinearError> {
     let own = Own { x: [b, &[]], y: [x, &mut []], ..Own::default() };
     let told = system.run(Job::Solve { tolerance, limit }, own)?;
-    let number = |k: usize| told.get(k).copied().unwrap_or(0.0);
-    Ok(Found { iterations: number(0) as usize, reason: number(1) as i32 })
+    let &[iterations, reason] = &told[..] else { return Err(crate::NOT_FACTORIZED) };
+    Ok(Found { iterations: iterations as usize, reason: reason as i32 })
 }

@@ -235,38 +235,24 @@ impl Layout {
         contact
     }
 
-    /// Returns row and column of the entries of a pattern that are of the stiffness, unless that is `shared`, followed by those of
-    /// the missing directions, and of all others.
-    pub(super) fn entries(
-        &self,
-        entries: impl Iterator<Item = (usize, usize, f64)>,
-        shared: bool,
-    ) -> [[Vec<Int>; 2]; 2] {
-        let mut places: [[Vec<Int>; 2]; 2] = Default::default();
-        for (row, column, _) in entries {
-            let is_stiffness = !shared && row.max(column) < self.columns.len();
-            let (of, place) = if is_stiffness { (0, &self.columns) } else { (1, &self.places) };
-            places[of][0].push(place[row]);
-            places[of][1].push(place[column]);
-        }
-        if !shared {
-            places[0].iter_mut().for_each(|places| places.extend(self.missing.iter().map(|&(at, _)| at)));
-        }
-        places
-    }
-
-    /// Returns the values of these entries in `matrix`.
-    pub(super) fn values(&self, matrix: &SystemMatrix, shared: bool) -> [Vec<f64>; 2] {
-        let mut values = [Vec::new(), Vec::new()];
+    /// Returns row and column of the entries of `matrix`, and their values: first those of the stiffness, unless that is `shared`,
+    /// with a diagonal in the missing directions, then all others.
+    pub(super) fn entries(&self, matrix: &SystemMatrix, shared: bool) -> ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) {
+        let (mut places, mut values): ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) = Default::default();
+        let mut push = |of: usize, row: Int, column: Int, value: f64| {
+            places[of][0].push(row);
+            places[of][1].push(column);
+            values[of].push(value);
+        };
         for (row, column, value) in matrix.rest().entries() {
             let is_stiffness = !shared && row.max(column) < self.columns.len();
-            values[usize::from(!is_stiffness)].push(value);
+            let (of, place) = if is_stiffness { (0, &self.columns) } else { (1, &self.places) };
+            push(of, place[row], place[column], value);
         }
-        if !shared {
-            let diagonal = |dof: usize| Some(matrix.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0);
-            values[0].extend(self.missing.iter().map(|&(_, dof)| diagonal(dof)));
+        for &(at, dof) in self.missing.iter().filter(|_| !shared) {
+            push(0, at, at, Some(matrix.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0));
         }
-        values
+        (places, values)
     }
 }
 
