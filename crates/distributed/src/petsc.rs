@@ -142,6 +142,14 @@ impl Matrix {
         Ok(made)
     }
 
+    /// Creates `factor` times this matrix, plus another one, most of whose entries have room in it.
+    pub(crate) fn plus_within(&self, factor: f64, other: &Matrix) -> Result<Self, LinearError> {
+        let (made, option) = (self.plus(factor, &[])?, sys::MatOption_MAT_NEW_NONZERO_ALLOCATION_ERR);
+        call!(MAKING, MatSetOption(made.0, option, sys::PetscBool_PETSC_FALSE))?;
+        call!(MAKING, MatAXPY(made.0, 1.0, other.0, sys::MatStructure_SUBSET_NONZERO_PATTERN))?;
+        Ok(made)
+    }
+
     /// Creates `factor` times `leading`, in the first of these rows of this rank and none in the others, plus `rest`. The result
     /// is not assembled: it refers to both.
     pub(crate) fn beside(

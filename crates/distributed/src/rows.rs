@@ -48,7 +48,9 @@ impl Rows {
         let mut place = vec![(0, 0); body.order()];
         for (node, number) in (0..body.nodes()).filter_map(|node| Some((node, numbering.number(node)?))) {
             for (direction, dof) in body.places(node).into_iter().enumerate() {
-                dof.into_iter().for_each(|dof| place[dof] = (number, direction));
+                if let Some(dof) = dof {
+                    place[dof] = (number, direction);
+                }
             }
         }
         let (starts, columns) = numbering.neighbours(body, own.clone())?;

@@ -201,7 +201,7 @@ impl System {
             let by_to = from_all.times(&a_times(&to_more)?)?;
             let by_from = times_a(&from_more)?.times(to)?;
             let beside = added.plus(1.0, &[(1.0, &by_rest), (1.0, &by_to), (1.0, &by_from)])?;
-            let between = k.plus(f, &[(1.0, &beside)])?;
+            let between = k.plus_within(f, &beside)?;
             self.cycles.insert(cycle, Cycle::new(&between, d, &self.kernel, !unsymmetric)?);
         }
         let (by_held, by_reactions) = (a_times(&held)?, times_a(&reactions)?);

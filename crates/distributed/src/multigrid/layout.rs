@@ -157,7 +157,9 @@ impl Layout {
             let size = product(&u, &u).sqrt();
             // A motion that depends on the others is left out.
             if size > 1e-10 * before {
-                u.iter_mut().for_each(|u| *u /= size);
+                for u in &mut u {
+                    *u /= size;
+                }
                 u.resize(self.places.len(), 0.0);
                 motions.push(u);
             }
