@@ -1,9 +1,9 @@
 //! MUMPS, a multifrontal LU on all MPI processes, for the uncondensed contact Jacobian.
 //!
-//! The values change while the analysis is kept. Therefore the analysis must not depend on values: there is no permutation
-//! for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots that are delayed to a later
-//! front. If they need more memory than predicted, the factorisation is repeated with more. Refinement is left to
-//! [`RefinedSolver`](stickslip::algebra::linear::RefinedSolver).
+//! The values change while the analysis is kept. Therefore the analysis must not depend on values: there is no
+//! permutation for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots that are delayed
+//! to a later front. If they need more memory than predicted, the factorisation is repeated with more. Refinement is
+//! left to [`RefinedSolver`](stickslip::algebra::linear::RefinedSolver).
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -17,10 +17,10 @@ use crate::petsc::{Int, int};
 use crate::ranks;
 use crate::system::{By, Change, Places, Setup, Values, factorize, solve};
 
-/// The options of PETSc for factorisations. No permutation for the first values, which is useless for later ones; no search for
-/// vanishing pivots, which does not find the rigid modes of a body without supports.
-pub(crate) const OPTIONS: &str = "-factors_ksp_type preonly -factors_pc_type lu -factors_pc_factor_mat_solver_type mumps \
-    -factors_mat_mumps_icntl_6 0 -factors_mat_mumps_icntl_24 0";
+/// The options of PETSc for factorisations. No permutation for the first values, which is useless for later ones; no
+/// search for vanishing pivots, which does not find the rigid modes of a body without supports.
+pub(crate) const OPTIONS: &str = "-factors_ksp_type preonly -factors_pc_type lu \
+    -factors_pc_factor_mat_solver_type mumps -factors_mat_mumps_icntl_6 0 -factors_mat_mumps_icntl_24 0";
 
 /// The MUMPS backend, on rank 0.
 #[derive(Default)]
@@ -30,8 +30,9 @@ pub(crate) struct Direct {
     is_factored: bool,
 }
 
-/// Returns row and column of the zeros that give the forces at a node the couplings of its displacements, so that MUMPS eliminates
-/// all of them in one front. Otherwise it would begin with the forces, whose diagonal is zero at a closed node, and delay them.
+/// Returns row and column of the zeros that give the forces at a node the couplings of its displacements, so that MUMPS
+/// eliminates all of them in one front. Otherwise it would begin with the forces, whose diagonal is zero at a closed
+/// node, and delay them.
 fn zeros(pattern: &Pattern, displacements: usize) -> [Vec<Int>; 2] {
     let column = |j: usize| {
         let starts = pattern.column_starts();

@@ -14,8 +14,8 @@ pub(crate) struct Exchange {
 }
 
 impl Exchange {
-    /// Creates the way to parts with this many entries on this rank. Rank 0 has the `places` of its entries in the whole of
-    /// the parts; on the others they are empty. Entries of the parts that have no place stay 0.
+    /// Creates the way to parts with this many entries on this rank. Rank 0 has the `places` of its entries in the
+    /// whole of the parts; on the others they are empty. Entries of the parts that have no place stay 0.
     pub(crate) fn new(entries: usize, places: &[Int]) -> Result<Self, LinearError> {
         let (whole, own) = (Vector::new(places.len())?, Vector::new(entries)?);
         // Rank 0 has the first entries of the whole.

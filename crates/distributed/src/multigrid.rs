@@ -1,8 +1,8 @@
 //! GMRES of PETSc on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
 //! factorisation.
 //!
-//! Contact is eliminated exactly, node by node, on a matrix with the pattern of `K` (`node`, `layout`), and one cycle of
-//! algebraic multigrid on it preconditions the whole Newton system (`crate::system`). The number of iterations is
+//! Contact is eliminated exactly, node by node, on a matrix with the pattern of `K` (`node`, `layout`), and one cycle
+//! of algebraic multigrid on it preconditions the whole Newton system (`crate::system`). The number of iterations is
 //! independent of the mesh, the contact statuses and the friction. Exceptions are nearly incompressible materials and
 //! meshes graded in two directions at once, for which MUMPS takes over.
 
@@ -28,8 +28,9 @@ use node::Eliminated;
 
 /// The number of iterations beyond which a direct solver is faster.
 const MAX_ITERATIONS: usize = 60;
-/// The default relative residual; refinement does the rest. It is that of all solves in the plane, where inexact steps cost more
-/// Newton iterations than they save of the Krylov method, and of the last steps: those that may leave less than `LAST`.
+/// The default relative residual; refinement does the rest. It is that of all solves in the plane, where inexact steps
+/// cost more Newton iterations than they save of the Krylov method, and of the last steps: those that may leave less
+/// than `LAST`.
 const TIGHT: f64 = 1e-10;
 const LAST: f64 = 1e-4;
 /// A cycle is reused if the share of contact nodes with more or fewer constrained directions is below this.
@@ -39,9 +40,10 @@ const WORN: f64 = 1.6;
 /// The number of iterations that take as long as making a cycle.
 const SET_UP: f64 = 20.0;
 
-/// Options of PETSc for all systems, before those of the user; MUMPS, if the user takes it, needs room for pivots that it delays.
-const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded \
-    -contact_ksp_type preonly -contact_pc_type gamg -mat_mumps_icntl_14 100";
+/// Options of PETSc for all systems, before those of the user; MUMPS, if the user takes it, needs room for pivots that
+/// it delays.
+const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 \
+    -ksp_gmres_cgs_refinement_type refine_ifneeded -contact_ksp_type preonly -contact_pc_type gamg -mat_mumps_icntl_14 100";
 /// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
 const SYMMETRIC: [&str; 2] =
     ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
@@ -54,7 +56,8 @@ pub(crate) struct Multigrid {
     options: Option<String>,
     stiffness: Option<SharedStiffness>,
     system: Option<System>,
-    /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the others.
+    /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the
+    /// others.
     cycles: Vec<Cycle>,
     /// `true` once PETSc has asked for all of them.
     is_checked: bool,
@@ -133,8 +136,8 @@ impl Multigrid {
         (a.leading().is_some() || a.distributed().is_some()) && self.shared(a).is_none()
     }
 
-    /// Passes the values of the present matrix on, `factor` times the stiffness and `others`, or leaves them without a factor, with
-    /// its cycle or a new one.
+    /// Passes the values of the present matrix on, `factor` times the stiffness and `others`, or leaves them without a
+    /// factor, with its cycle or a new one.
     fn prepare(&mut self, factor: Option<f64>, others: [&[f64]; 2]) -> Result<FactorInfo, LinearError> {
         let System { remote, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
         let [stiffness, rest] = others;

@@ -1,5 +1,5 @@
-//! The objects of PETSc that this crate uses, distributed over all ranks. Calls are collective: every rank makes the same
-//! ones, under the lock of `ranks`.
+//! The objects of PETSc that this crate uses, distributed over all ranks. Calls are collective: every rank makes the
+//! same ones, under the lock of `ranks`.
 
 #![allow(unsafe_code)]
 
@@ -83,8 +83,8 @@ impl Matrix {
         Ok(made)
     }
 
-    /// Creates a square matrix of rows in blocks: the starts of the rows of this rank, and their sorted columns in the whole with
-    /// the values.
+    /// Creates a square matrix of rows in blocks: the starts of the rows of this rank, and their sorted columns in the
+    /// whole with the values.
     pub(crate) fn of_rows(block: usize, starts: &[Int], columns: &[Int], values: &[f64]) -> Result<Self, LinearError> {
         expect_length("columns of rows", starts.last().map_or(0, |end| *end as usize), columns.len())?;
         expect_length("values of rows", columns.len(), values.len())?;
@@ -150,8 +150,8 @@ impl Matrix {
         Ok(made)
     }
 
-    /// Creates `factor` times `leading`, in the first of these rows of this rank and none in the others, plus `rest`. The result
-    /// is not assembled: it refers to both.
+    /// Creates `factor` times `leading`, in the first of these rows of this rank and none in the others, plus `rest`.
+    /// The result is not assembled: it refers to both.
     pub(crate) fn beside(
         leading: &Matrix,
         factor: f64,

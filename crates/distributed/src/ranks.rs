@@ -60,8 +60,8 @@ impl State {
         result
     }
 
-    /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them. Objects are leaked,
-    /// because dropping them would be collective.
+    /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them. Objects are
+    /// leaked, because dropping them would be collective.
     fn abandon(&mut self) {
         if matches!(self, State::Running(world, _) if world.size() > 1) {
             std::mem::forget(std::mem::replace(self, State::Broken));
@@ -128,7 +128,8 @@ pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
     Ok(())
 }
 
-/// Runs a `job` on all ranks, on the object of this number; rank 0 has the data. Returns the results that are no vectors.
+/// Runs a `job` on all ranks, on the object of this number; rank 0 has the data. Returns the results that are no
+/// vectors.
 ///
 /// # Errors
 /// As [`start`], and if the work fails.

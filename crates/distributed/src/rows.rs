@@ -13,8 +13,8 @@ use crate::petsc::{Int, Matrix, Scatter, Vector, int};
 use crate::ranks::shim::{World, tell};
 pub(crate) use numbering::Numbering;
 
-/// The rows of one rank, in blocks of a node. In a direction that supports have removed from a node they have the node's largest
-/// entry on the diagonal, and no other.
+/// The rows of one rank, in blocks of a node. In a direction that supports have removed from a node they have the
+/// node's largest entry on the diagonal, and no other.
 pub(crate) struct Rows {
     pub numbering: Arc<Numbering>,
     pub matrix: Arc<Matrix>,
@@ -30,8 +30,8 @@ fn head(body: &dyn NodeRows) -> [i64; 4] {
 }
 
 impl Rows {
-    /// Assembles the rows of this rank from its own `body`. Returns `None` on all ranks if one cannot assemble its rows, or
-    /// has another body than rank 0.
+    /// Assembles the rows of this rank from its own `body`. Returns `None` on all ranks if one cannot assemble its
+    /// rows, or has another body than rank 0.
     pub(crate) fn assembled(world: &World, body: Option<&dyn NodeRows>) -> Result<Option<Self>, LinearError> {
         let mut told = body.map_or([0; 4], head);
         tell(&mut told);

@@ -1,15 +1,16 @@
 //! A Newton system on all ranks: its matrix, the elimination of contact from it, and the solver.
 //!
-//! The matrix is `A = f J K Jᵀ + C`, with a stiffness `K` between displacements, the ones `J`, and all others `C`. Contact is
-//! eliminated exactly, node by node: first the held displacements `E r`, then a cycle of algebraic multigrid on the matrix
-//! `R A F` between the free displacements, then the reactions `T`,
+//! The matrix is `A = f J K Jᵀ + C`, with a stiffness `K` between displacements, the ones `J`, and all others `C`.
+//! Contact is eliminated exactly, node by node: first the held displacements `E r`, then a cycle of algebraic multigrid
+//! on the matrix `R A F` between the free displacements, then the reactions `T`,
 //!
 //! ```text
 //! y = E r,   y += F (R A F)⁻¹ R (r - A y),   y += T (r - A y).
 //! ```
 //!
-//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of `A` and the
-//! matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A E)`.
+//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of
+//! `A` and the matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A
+//! E)`.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -65,8 +66,8 @@ pub(crate) enum By {
     Options { cycle: i64, fresh: bool, unsymmetric: bool },
 }
 
-/// The values of the entries that rank 0 alone has, in the order of [`Places`], and the entries of the matrices that eliminate
-/// contact.
+/// The values of the entries that rank 0 alone has, in the order of [`Places`], and the entries of the matrices that
+/// eliminate contact.
 #[derive(Default, Clone, Copy)]
 pub(crate) struct Values<'a> {
     pub stiffness: &'a [f64],
@@ -254,8 +255,8 @@ impl System {
         Ok(vec![-9.0, 0.0, 0.0, 0.0, 0.0])
     }
 
-    /// Solves `A x = b` from 0 to a relative residual of `tolerance`, in at most `limit` iterations if that is given. Rank 0 has
-    /// both vectors. Returns the numbers of what was [`Found`].
+    /// Solves `A x = b` from 0 to a relative residual of `tolerance`, in at most `limit` iterations if that is given.
+    /// Rank 0 has both vectors. Returns the numbers of what was [`Found`].
     pub(crate) fn solve(
         &self,
         tolerance: f64,
@@ -271,8 +272,8 @@ impl System {
     }
 }
 
-/// Returns the properties of the present factors or of the matrix: MUMPS's status, which is equal on all ranks and 0 without it,
-/// the entries, operations, ratio of pivots, and peak memory in bytes.
+/// Returns the properties of the present factors or of the matrix: MUMPS's status, which is equal on all ranks and 0
+/// without it, the entries, operations, ratio of pivots, and peak memory in bytes.
 ///
 /// # Errors
 /// If MUMPS failed.

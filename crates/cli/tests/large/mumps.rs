@@ -15,8 +15,9 @@ fn every_scene_is_what_umfpack_says() {
     }
 }
 
-/// Debian's PETSc has a MUMPS with the orderings AMD, AMF, QAMD and PORD, and neither METIS nor SCOTCH. PORD, which has the least
-/// fill, takes 1.27 times the entries of UMFPACK with METIS in the cube; at 12 elements AMF takes 1.5 times as many, AMD and QAMD 1.6.
+/// Debian's PETSc has a MUMPS with the orderings AMD, AMF, QAMD and PORD, and neither METIS nor SCOTCH. PORD, which has
+/// the least fill, takes 1.27 times the entries of UMFPACK with METIS in the cube; at 12 elements AMF takes 1.5 times
+/// as many, AMD and QAMD 1.6.
 #[test]
 fn factors_are_as_small_as_those_of_umfpack() {
     for (name, change, bound) in

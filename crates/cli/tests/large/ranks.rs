@@ -164,8 +164,8 @@ fn auto_takes_what_ranks_can_share() {
     assert!(report["solver_choice"].as_str().unwrap().contains("2 processes"), "{}", report["solver_choice"]);
 }
 
-/// The stiffness for the choice of the solver is dropped before the rows are assembled. The choice itself takes the most of rank 0,
-/// 277 MB; without it rank 0 takes 230 MB.
+/// The stiffness for the choice of the solver is dropped before the rows are assembled. The choice itself takes the
+/// most of rank 0, 277 MB; without it rank 0 takes 230 MB.
 #[test]
 fn auto_shares_a_stiffness_for_multigrid() {
     let cube = path("cube");

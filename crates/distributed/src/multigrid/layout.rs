@@ -69,8 +69,8 @@ pub(super) fn check(grid: &Grid, unknowns: usize) -> Result<(), LinearError> {
 }
 
 impl Layout {
-    /// Creates the layout for a matrix with this number of `unknowns`. Nodes have the `numbering` of a shared stiffness, or
-    /// are divided evenly among this number of `ranks`.
+    /// Creates the layout for a matrix with this number of `unknowns`. Nodes have the `numbering` of a shared
+    /// stiffness, or are divided evenly among this number of `ranks`.
     pub(super) fn new(
         grid: &Grid,
         unknowns: usize,
@@ -187,8 +187,8 @@ impl Layout {
         self.contacts.iter().map(|contact| local(contact).eliminated(oblique)).collect()
     }
 
-    /// Returns the matrices that eliminate contact at these `nodes`. The ones on the diagonal of the ways to all unknowns
-    /// and back are left out.
+    /// Returns the matrices that eliminate contact at these `nodes`. The ones on the diagonal of the ways to all
+    /// unknowns and back are left out.
     pub(super) fn contact(&self, nodes: &[Eliminated]) -> Contact {
         let mut contact = Contact::default();
         for (e, others) in &self.changed {
@@ -237,8 +237,8 @@ impl Layout {
         contact
     }
 
-    /// Returns row and column of the entries of `matrix`, and their values: first those of the stiffness, unless that is `shared`,
-    /// with a diagonal in the missing directions, then all others.
+    /// Returns row and column of the entries of `matrix`, and their values: first those of the stiffness, unless that
+    /// is `shared`, with a diagonal in the missing directions, then all others.
     pub(super) fn entries(&self, matrix: &SystemMatrix, shared: bool) -> ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) {
         let (mut places, mut values): ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) = Default::default();
         let mut push = |of: usize, row: Int, column: Int, value: f64| {

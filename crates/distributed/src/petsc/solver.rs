@@ -11,8 +11,8 @@ object!(Preconditioner, PC, PCDestroy);
 object!(Method, KSP, KSPDestroy);
 object!(NullSpace, MatNullSpace, MatNullSpaceDestroy);
 
-/// The parts of a preconditioner with contact eliminated: what is known without a cycle, and the ways of a residual to the
-/// cycle and of its result to the unknowns.
+/// The parts of a preconditioner with contact eliminated: what is known without a cycle, and the ways of a residual to
+/// the cycle and of its result to the unknowns.
 pub(crate) struct Parts {
     pub known: Matrix,
     pub from_all: Matrix,
@@ -27,8 +27,8 @@ pub(crate) struct Cycle {
 }
 
 impl Cycle {
-    /// Creates the preconditioner with a cycle on `matrix`, with rows in blocks. The orthonormal `kernel` is the null space of
-    /// its operator without supports.
+    /// Creates the preconditioner with a cycle on `matrix`, with rows in blocks. The orthonormal `kernel` is the null
+    /// space of its operator without supports.
     pub(crate) fn new(matrix: &Matrix, block: usize, kernel: &[Vector], spd: bool) -> Result<Self, LinearError> {
         const STEP: &str = "the multigrid hierarchy";
         let vectors: Vec<sys::Vec> = kernel.iter().map(|vector| vector.0).collect();
@@ -84,7 +84,8 @@ pub(crate) struct Found {
 pub(crate) struct Krylov(Method);
 
 impl Krylov {
-    /// Creates the solver for `matrix` that the options with this `prefix` describe, with a preconditioner if there is one.
+    /// Creates the solver for `matrix` that the options with this `prefix` describe, with a preconditioner if there is
+    /// one.
     pub(crate) fn new(prefix: &CStr, matrix: &Matrix, cycle: Option<&Cycle>) -> Result<Self, LinearError> {
         const STEP: &str = super::start::OPTIONS;
         let mut method = Method(ptr::null_mut());

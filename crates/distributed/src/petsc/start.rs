@@ -18,8 +18,8 @@ pub(super) const OPTIONS: &str = "its options";
 
 static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
 
-/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty. All ranks must call it, with
-/// the same ones.
+/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty. All ranks must call it,
+/// with the same ones.
 pub(crate) fn start(options: &str) -> Result<(), LinearError> {
     STARTED.get_or_init(first).clone()?;
     let text = CString::new(options).unwrap_or_default();
@@ -115,8 +115,8 @@ unsafe extern "C" fn keep(
 
 /// Converts the status of a call to an error with the option that helps.
 pub(super) fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearError> {
-    // The codes of PETSc; the first is that of refused memory. Where the system refuses memory, PETSc 3.18 returns other
-    // numbers.
+    // The codes of PETSc; the first is that of refused memory. Where the system refuses memory, PETSc 3.18 returns
+    // other numbers.
     const CODES: std::ops::RangeInclusive<i64> = 55..=99;
     /// What is not built in, out of range, no type, or no factorisation.
     const WRONG: [i64; 4] = [56, 63, 86, 92];

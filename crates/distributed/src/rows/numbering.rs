@@ -60,8 +60,8 @@ impl Numbering {
         Some(self.bounds[1..].partition_point(|end| *end <= number))
     }
 
-    /// Returns the nodes that have a cell in common with each of these, and these themselves: the starts of the rows, and the sorted
-    /// numbers in them.
+    /// Returns the nodes that have a cell in common with each of these, and these themselves: the starts of the rows,
+    /// and the sorted numbers in them.
     pub(super) fn neighbours(
         &self,
         body: &dyn NodeRows,
