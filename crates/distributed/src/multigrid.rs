@@ -43,7 +43,8 @@ const SET_UP: f64 = 20.0;
 /// Options of PETSc for all systems, before those of the user; MUMPS, if the user takes it, needs room for pivots that
 /// it delays.
 const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 \
-    -ksp_gmres_cgs_refinement_type refine_ifneeded -contact_ksp_type preonly -contact_pc_type gamg -mat_mumps_icntl_14 100";
+    -ksp_gmres_cgs_refinement_type refine_ifneeded -contact_ksp_type preonly -contact_pc_type gamg \
+    -mat_mumps_icntl_14 100";
 /// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
 const SYMMETRIC: [&str; 2] =
     ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
