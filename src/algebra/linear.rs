@@ -230,6 +230,8 @@ pub enum LinearError {
         reason: String,
         /// The cure.
         help: &'static str,
+        /// `true` if its options are wrong.
+        of_options: bool,
     },
     /// Another status of a backend.
     #[error("{backend} failed in {step} with status {status}")]

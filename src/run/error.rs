@@ -48,8 +48,11 @@ pub enum RunError {
 impl RunError {
     /// Returns `true` for an error of the input, and `false` for a failure of the machine or the library.
     pub fn is_of_the_input(&self) -> bool {
-        use history::Error::{Checkpoint, NoWeight, Problem};
-        let of_history = |error: &history::Error| matches!(error, Problem(_) | NoWeight { .. } | Checkpoint(_));
+        use history::Error::{Checkpoint, Linear, NoWeight, Problem};
+        let of_history = |error: &history::Error| match error {
+            Linear(LinearError::Engine { of_options, .. }) => *of_options,
+            other => matches!(other, Problem(_) | NoWeight { .. } | Checkpoint(_)),
+        };
         match self {
             RunError::Scene(_) | RunError::Model(_) | RunError::SlidesInAPlane | RunError::Unlocked(_) => true,
             RunError::NoRoom { .. } => false,

@@ -7,7 +7,7 @@ int mpi_shim_rank(void);
 int mpi_shim_size(void);
 /* Hands `n` words from rank 0 to all. The others sleep in between, in the end for so many nanoseconds at a time. */
 void mpi_shim_hand_out(int64_t *words, int n, long most);
-/* Collects the `n` numbers of each rank on rank 0, which are `counts` of them from `starts` on there. */
-void mpi_shim_collect(const double *mine, int n, double *all, const int *counts, const int *starts);
+/* Collects the `n` numbers of each rank on rank 0. */
+void mpi_shim_collect(const double *mine, int n, double *all);
 /* Ends MPI, if it runs. */
 void mpi_shim_end(void);

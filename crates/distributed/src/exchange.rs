@@ -14,8 +14,8 @@ pub(crate) struct Exchange {
 }
 
 impl Exchange {
-    /// Creates the way to parts with this many entries on this rank. Rank 0 has the `places` of its entries in the whole of
-    /// the parts; on the others they are empty. Entries of the parts that have no place stay 0.
+    /// Creates the way to parts with this many entries on this rank. Rank 0 has the `places` of its entries in the
+    /// whole of the parts; on the others they are empty. Entries of the parts that have no place stay 0.
     pub(crate) fn new(entries: usize, places: &[Int]) -> Result<Self, LinearError> {
         let (whole, own) = (Vector::new(places.len())?, Vector::new(entries)?);
         // Rank 0 has the first entries of the whole.
@@ -25,21 +25,14 @@ impl Exchange {
     }
 
     /// Deals `x` of rank 0 to the parts.
-    pub(crate) fn deal(&mut self, x: &[f64]) -> Result<(), LinearError> {
+    pub(crate) fn deal(&self, x: &[f64]) -> Result<(), LinearError> {
         self.whole.with(|whole| copy(x, whole))??;
-        self.scatter.forward(&self.whole, &mut self.own)
+        self.scatter.forward(&self.whole, &self.own)
     }
 
     /// Collects a vector in parts in `x` of rank 0.
-    pub(crate) fn collect(&mut self, of: &Vector, x: &mut [f64]) -> Result<(), LinearError> {
-        self.scatter.back(of, &mut self.whole)?;
-        self.whole.with(|whole| copy(whole, x))?
-    }
-
-    /// Collects the parts with these entries on this rank.
-    pub(crate) fn collect_from(&mut self, own: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        self.own.with(|to| copy(own, to))??;
-        self.scatter.back(&self.own, &mut self.whole)?;
+    pub(crate) fn collect(&self, of: &Vector, x: &mut [f64]) -> Result<(), LinearError> {
+        self.scatter.back(of, &self.whole)?;
         self.whole.with(|whole| copy(whole, x))?
     }
 }

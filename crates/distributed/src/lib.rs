@@ -1,13 +1,12 @@
-//! PETSc for `stickslip`: systems that all processes of an MPI launcher share. Ours is the elimination of contact; PETSc
-//! has the distributed matrices, the Krylov method, the multigrid on the body, and MUMPS.
+//! PETSc for `stickslip`: systems that all processes of an MPI launcher share. Ours is the elimination of contact;
+//! PETSc has the distributed matrices, the Krylov method, the multigrid on the body, and MUMPS.
 //!
 //! [`add`] makes these solvers known to the library. Rank 0 then runs the program; the others call [`help`].
 
 mod direct;
 mod exchange;
-mod handle;
+mod job;
 mod multigrid;
-mod part;
 mod petsc;
 mod ranks;
 mod rows;

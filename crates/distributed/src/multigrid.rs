@@ -1,8 +1,8 @@
 //! GMRES of PETSc on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
 //! factorisation.
 //!
-//! Contact is eliminated exactly, node by node, on a matrix with the pattern of `K` (`node`, `layout`), and one cycle of
-//! algebraic multigrid on it preconditions the whole Newton system (`crate::system`). The number of iterations is
+//! Contact is eliminated exactly, node by node, on a matrix with the pattern of `K` (`node`, `layout`), and one cycle
+//! of algebraic multigrid on it preconditions the whole Newton system (`crate::system`). The number of iterations is
 //! independent of the mesh, the contact statuses and the friction. Exceptions are nearly incompressible materials and
 //! meshes graded in two directions at once, for which MUMPS takes over.
 
@@ -18,19 +18,21 @@ use stickslip::algebra::linear::{
 };
 use stickslip::algebra::{Csc, Pattern};
 
-use crate::expect_length;
-use crate::handle::Handle;
+use crate::job::{Job, Own, Remote};
 use crate::petsc::Found;
-use crate::ranks;
 use crate::stiffness::SharedStiffness;
-use crate::system::{By, Change, Contact, Entry, Outcome, Setup, Values};
+use crate::system::{By, Change, Contact, Places, Setup, Values, factorize, solve};
+use crate::{direct, expect_length, ranks};
 use layout::Layout;
 use node::Eliminated;
 
 /// The number of iterations beyond which a direct solver is faster.
 const MAX_ITERATIONS: usize = 60;
-/// The default relative residual; refinement does the rest.
+/// The default relative residual; refinement does the rest. It is that of all solves in the plane, where inexact steps
+/// cost more Newton iterations than they save of the Krylov method, and of the last steps: those that may leave less
+/// than `LAST`.
 const TIGHT: f64 = 1e-10;
+const LAST: f64 = 1e-4;
 /// A cycle is reused if the share of contact nodes with more or fewer constrained directions is below this.
 const CHANGED: f64 = 0.1;
 /// A cycle is not reused if it takes this many times its initial iterations per digit.
@@ -38,8 +40,11 @@ const WORN: f64 = 1.6;
 /// The number of iterations that take as long as making a cycle.
 const SET_UP: f64 = 20.0;
 
-/// Options of PETSc for all systems, before those of the user.
-const OPTIONS: &str = "-ksp_type fgmres -contact_pc_type gamg -ksp_gmres_restart 60 -ksp_max_it 60 -ksp_gmres_cgs_refinement_type refine_ifneeded";
+/// Options of PETSc for all systems, before those of the user; MUMPS, if the user takes it, needs room for pivots that
+/// it delays.
+const OPTIONS: &str = "-ksp_type fgmres -ksp_gmres_restart 60 -ksp_max_it 60 \
+    -ksp_gmres_cgs_refinement_type refine_ifneeded -contact_ksp_type preonly -contact_pc_type gamg \
+    -mat_mumps_icntl_14 100";
 /// Smoothers, for one process and for several. An incomplete Cholesky factorisation suits stretched elements.
 const SYMMETRIC: [&str; 2] =
     ["-contact_mg_levels_pc_type icc", "-contact_mg_levels_pc_type bjacobi -contact_mg_levels_sub_pc_type icc"];
@@ -52,8 +57,11 @@ pub(crate) struct Multigrid {
     options: Option<String>,
     stiffness: Option<SharedStiffness>,
     system: Option<System>,
-    /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the others.
+    /// One cycle for the matrix with all contact nodes clamped, which recurs in every increment, and one for the
+    /// others.
     cycles: Vec<Cycle>,
+    /// `true` once PETSc has asked for all of them.
+    is_checked: bool,
     /// `true` once MUMPS has taken over.
     gave_way: bool,
     /// The iterations since the last query.
@@ -62,7 +70,7 @@ pub(crate) struct Multigrid {
 
 /// The systems of one pattern.
 struct System {
-    handle: Handle,
+    remote: Remote,
     layout: Layout,
     order: usize,
     pattern: Arc<Pattern>,
@@ -110,6 +118,7 @@ impl Multigrid {
         Multigrid {
             grid,
             options: options.map(str::to_string),
+            is_checked: false,
             stiffness: shared.cloned(),
             system: None,
             cycles: Vec::new(),
@@ -128,11 +137,14 @@ impl Multigrid {
         (a.leading().is_some() || a.distributed().is_some()) && self.shared(a).is_none()
     }
 
-    /// Passes the `values` of the present matrix on, with its cycle or a new one.
-    fn prepare(&mut self, values: Values<'_>) -> Result<Outcome, LinearError> {
-        let System { handle, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+    /// Passes the values of the present matrix on, `factor` times the stiffness and `others`, or leaves them without a
+    /// factor, with its cycle or a new one.
+    fn prepare(&mut self, factor: Option<f64>, others: [&[f64]; 2]) -> Result<FactorInfo, LinearError> {
+        let System { remote, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        let [stiffness, rest] = others;
         if self.gave_way {
-            return handle.factorize(&Change { values, by: By::Factors })?.checked();
+            let values = Values { stiffness, rest, contact: None };
+            return factorize(remote, Change { factor, by: By::Factors }, values);
         }
         let Some((nodes, contact, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         // In the oblique form the swept terms differ from matrix to matrix.
@@ -144,30 +156,34 @@ impl Multigrid {
             Some(serving) => serving.lent = true,
             None => self.cycles.retain(|other| other.all_held != cycle),
         }
-        let by = By::Options { contact, cycle: cycle.into(), fresh, unsymmetric };
-        let outcome = handle.factorize(&Change { values, by })?;
+        let by = By::Options { cycle: cycle.into(), fresh, unsymmetric };
+        let info = factorize(remote, Change { factor, by }, Values { stiffness, rest, contact: Some(contact) })?;
         if fresh {
             let held = nodes.iter().map(|node| node.held).collect();
             self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, lent: false });
         }
-        Ok(outcome)
+        Ok(info)
     }
 
     /// Solves with the present cycle. Returns PETSc's end, and `true` if a new cycle might help.
     fn iterate(&mut self, b: &[f64], x: &mut [f64], tolerance: f64) -> Result<(Found, bool), LinearError> {
-        let System { handle, order, present, .. } = self.system.as_mut().ok_or(crate::NOT_ANALYZED)?;
+        let System { remote, order, present, .. } = self.system.as_ref().ok_or(crate::NOT_ANALYZED)?;
         expect_length("right-hand side", *order, b.len())?;
         expect_length("solution", *order, x.len())?;
         if self.gave_way {
-            return Ok((handle.solve(tolerance, None, b, x)?, false));
+            return Ok((solve(remote, tolerance, None, b, x)?, false));
         }
         let Some((_, _, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         let cycle = self.cycles.iter_mut().find(|cycle| cycle.all_held == *all_held).ok_or(crate::NOT_FACTORIZED)?;
         let limit = cycle.patience(tolerance);
         let limit = (self.options.is_none() || cycle.lent).then_some(limit);
-        let found = handle.solve(tolerance, limit, b, x)?;
+        let found = solve(remote, tolerance, limit, b, x)?;
         self.iterated.iterations += found.iterations;
         cycle.took(found.iterations, if found.reason > 0 { tolerance } else { 0.1 });
+        if let (Some(options), false) = (&self.options, self.is_checked) {
+            ranks::check_options(options)?;
+            self.is_checked = true;
+        }
         Ok((found, cycle.lent))
     }
 }
@@ -193,18 +209,20 @@ impl LinearSolver for Multigrid {
         expect_length("changed displacements of a shared stiffness", 0, changed)?;
         let layout = Layout::new(&self.grid, a.order(), shared.map(|shared| &**shared.numbering()), ranks)?;
         let smoother = if self.grid.interior { UNSYMMETRIC } else { SYMMETRIC[usize::from(ranks > 1)] };
+        let ([stiffness, rest], _) = layout.entries(a, shared.is_some());
+        let motions = layout.motions(&self.grid);
         let setup = Setup {
             dimension: layout.dimension,
-            options: [OPTIONS, smoother, self.options.as_deref().unwrap_or("")].join(" "),
+            options: [direct::OPTIONS, OPTIONS, smoother, self.options.as_deref().unwrap_or("")].join(" "),
             nodes: layout.nodes.clone(),
             rows: layout.rows.clone(),
-            places: &layout.places,
-            motions: layout.motions(&self.grid),
-            entries: shared.is_none().then(|| layout.entries(a.rest().entries())),
+            motions: motions.len(),
+            stiffness: shared.map(SharedStiffness::number),
         };
-        let handle = Handle::new(shared.map(SharedStiffness::parts), setup)?;
+        let places = Places { rows: &layout.places, motions, stiffness, rest };
+        let remote = Remote::new(Job::System(setup), Own { places, ..Own::default() })?;
         let pattern = Arc::clone(a.pattern());
-        self.system = Some(System { handle, layout, order: a.order(), pattern, present: None });
+        self.system = Some(System { remote, layout, order: a.order(), pattern, present: None });
         Ok(())
     }
 
@@ -228,19 +246,8 @@ impl LinearSolver for Multigrid {
         let nodes = layout.nodes(a, oblique);
         let all_held = nodes.iter().all(|node| node.all_held);
         *present = Some((nodes.clone(), layout.contact(&nodes), all_held));
-        let outcome = if let Some(factor) = factor {
-            let place = |at: usize| layout.places[at];
-            let rest = a.rest().entries().filter(|(_, _, value)| *value != 0.0);
-            let rest: Vec<Entry> = rest.map(|(row, column, value)| (place(row), place(column), value)).collect();
-            self.prepare(Values::Beside(factor, &rest))?
-        } else {
-            let diagonal = |dof: usize| Some(a.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0);
-            let missing = layout.missing.iter().map(|&(_, dof)| diagonal(dof));
-            let values: Vec<f64> = a.rest().values().iter().copied().chain(missing).collect();
-            self.prepare(Values::Whole(&values))?
-        };
-        let entries = outcome.entries as usize;
-        Ok(FactorInfo { entries, flops: outcome.flops, pivot_ratio: outcome.pivots, peak_bytes: outcome.peak_bytes })
+        let (_, [stiffness, rest]) = layout.entries(a, factor.is_some());
+        self.prepare(Some(factor.unwrap_or(1.0)), [&stiffness, &rest])
     }
 
     fn iterates(&self) -> bool {
@@ -252,11 +259,13 @@ impl LinearSolver for Multigrid {
     }
 
     fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+        let is_tight = self.grid.dimension == 2 || tolerance < LAST;
+        let tolerance = if is_tight { tolerance.min(TIGHT) } else { tolerance };
         let (mut found, lent) = self.iterate(b, x, tolerance)?;
         if found.reason <= 0 && lent {
             // The reused cycle converges too slowly; make a new one for this matrix.
             self.cycles.clear();
-            self.prepare(Values::Same)?;
+            self.prepare(None, [&[], &[]])?;
             found = self.iterate(b, x, tolerance)?.0;
         }
         if found.reason > 0 {
@@ -268,7 +277,7 @@ impl LinearSolver for Multigrid {
         // The iterations stall, so a factorisation shared among ranks, which adds the least memory, takes over.
         self.gave_way = true;
         self.cycles.clear();
-        self.prepare(Values::Same)?;
+        self.prepare(None, [&[], &[]])?;
         self.iterated.instead = Some(SparseLu::Mumps);
         let (found, _) = self.iterate(b, x, tolerance)?;
         if found.reason > 0 { Ok(()) } else { Err(not_converged(found)) }
@@ -289,7 +298,7 @@ fn not_converged(found: Found) -> LinearError {
         _ => ("it broke down", "take another -ksp_type or -pc_type"),
     };
     let reason = format!("{why} in {iterations} iterations (reason {reason})");
-    LinearError::Engine { engine: "PETSc", step: "the solve", reason, help }
+    LinearError::Engine { engine: "PETSc", step: "the solve", reason, help, of_options: false }
 }
 
 #[cfg(test)]

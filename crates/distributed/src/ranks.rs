@@ -5,38 +5,25 @@
 
 pub(crate) mod shim;
 
-use std::collections::HashMap;
-use std::mem::ManuallyDrop;
-use std::sync::{Mutex, MutexGuard};
+use std::sync::{Arc, Mutex, MutexGuard};
 
 use stickslip::algebra::NodeRows;
-use stickslip::algebra::linear::process::prepare_blas;
 use stickslip::algebra::linear::{LinearError, RankUse};
-use stickslip::run::report::{cpu_seconds, peak_rss_bytes};
 
-use crate::part::{Job, Part};
+use crate::job::{Job, Objects, Own};
 use crate::petsc;
+use crate::rows::Numbering;
 use shim::World;
 
 /// A function that assembles a rank's rows of the shared stiffness, or returns `None` if it cannot.
 pub type RankRows<'a> = &'a mut dyn FnMut() -> Option<Box<dyn NodeRows>>;
-
-/// A command that rank 0 broadcasts: the action, the part, the job or what the part is for, and the system.
-type Command = [i64; 4];
-
-const END: i64 = 0;
-const NEW: i64 = 1;
-const RUN: i64 = 2;
-const DROP: i64 = 3;
-const REPORT: i64 = 4;
-const PREPARE: i64 = 5;
 
 /// Only one MPI call may run at a time, and all ranks must take part in the same one.
 static MPI: Mutex<State> = Mutex::new(State::Before);
 
 enum State {
     Before,
-    Running(World),
+    Running(World, Objects),
     /// Rank 0 has left a collective operation by an error or a panic, and others may still be waiting in it.
     Broken,
     Ended,
@@ -53,13 +40,13 @@ fn state() -> MutexGuard<'static, State> {
 
 impl State {
     /// Returns the ranks, and starts MPI if needed.
-    fn running(&mut self) -> Result<&mut World, LinearError> {
+    fn running(&mut self) -> Result<(&World, &mut Objects), LinearError> {
         let failed = |status: i32| LinearError::Backend { backend: "MPI", step: "its start", status: status.into() };
         if let State::Before = self {
-            *self = State::Running(World::start().map_err(failed)?);
+            *self = State::Running(World::start().map_err(failed)?, Objects::default());
         }
         match self {
-            State::Running(world) => Ok(world),
+            State::Running(world, objects) => Ok((world, objects)),
             State::Broken => Err(LinearError::RankFailed),
             State::Before | State::Ended => Err(failed(-1)),
         }
@@ -73,10 +60,19 @@ impl State {
         result
     }
 
-    /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them.
+    /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them. Objects are
+    /// leaked, because dropping them would be collective.
     fn abandon(&mut self) {
-        if matches!(self, State::Running(world) if world.size() > 1) {
-            *self = State::Broken;
+        if matches!(self, State::Running(world, _) if world.size() > 1) {
+            std::mem::forget(std::mem::replace(self, State::Broken));
+        }
+    }
+
+    fn finish(&mut self) {
+        if let State::Running(world, objects) = std::mem::replace(self, State::Ended) {
+            drop(objects);
+            petsc::end();
+            world.end();
         }
     }
 }
@@ -88,7 +84,7 @@ impl State {
 /// If MPI does not allow calls from several threads, one at a time, or has ended; [`LinearError::RankFailed`] after an
 /// error in work that ranks share.
 pub fn start() -> Result<(usize, usize), LinearError> {
-    state().running().map(|world| (world.rank(), world.size()))
+    state().running().map(|(world, _)| (world.rank(), world.size()))
 }
 
 /// Returns `true` if `number` equals that of rank 0. All ranks must call it, before any of them calls [`help`].
@@ -111,138 +107,79 @@ pub fn agree(number: u64) -> Result<bool, LinearError> {
 /// launcher ends the others. On rank 0 the function returns at once.
 pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
     let mut state = state();
-    let world = state.running()?;
+    let (world, objects) = state.running()?;
     if world.rank() == 0 {
         return Ok(());
     }
-    // Parts that rank 0 has not dropped are leaked, because dropping them would be collective.
-    let mut parts: ManuallyDrop<HashMap<i64, Part>> = ManuallyDrop::default();
     loop {
-        let mut command: Command = [END; 4];
-        shim::tell(&mut command);
-        let [word, id, what, of] = command;
-        match word {
-            NEW => {
-                let body = if what == 0 { None } else { body() };
-                parts.insert(id, Part::helping(world, body.as_deref(), what != 0)?);
-            }
-            RUN => {
-                if let (Some(part), Some(job)) = (parts.get_mut(&id), Job::of(what)) {
-                    part.serve(world, job, of)?;
-                }
-            }
-            DROP => drop(parts.remove(&id)),
-            REPORT => drop(use_of_each(world)),
-            PREPARE => drop(has_room(world)),
-            _ => break,
+        let (number, job) = shim::tell_all(None)?;
+        let body = match job {
+            Job::End => break,
+            Job::Rows => body(),
+            _ => None,
+        };
+        let own = Own { body: body.as_deref(), ..Own::default() };
+        if let Err(error) = objects.perform(world, number, job, own) {
+            state.abandon();
+            return Err(error);
         }
     }
-    finish(&mut state);
+    state.finish();
     Ok(())
+}
+
+/// Runs a `job` on all ranks, on the object of this number; rank 0 has the data. Returns the results that are no
+/// vectors.
+///
+/// # Errors
+/// As [`start`], and if the work fails.
+pub(crate) fn run(number: i64, job: Job, own: Own<'_>) -> Result<Vec<f64>, LinearError> {
+    let mut state = state();
+    let (world, objects) = state.running()?;
+    let (number, job) = shim::tell_all(Some((number, job)))?;
+    let result = objects.perform(world, number, job, own);
+    state.after(result)
 }
 
 /// Ends MPI, if it runs, and the other ranks with it. It must be the last call on rank 0.
 pub fn end() {
     let mut state = state();
-    if let State::Running(_) = &*state {
-        shim::tell(&mut [END; 4]);
-        finish(&mut state);
-    }
-}
-
-fn finish(state: &mut State) {
-    if let State::Running(world) = std::mem::replace(state, State::Ended) {
-        petsc::end();
-        world.end();
+    if let State::Running(..) = &*state {
+        // A job without data can be told.
+        let _ = shim::tell_all(Some((0, Job::End)));
+        state.finish();
     }
 }
 
 /// Returns the resources used by each of several ranks. For rank 0.
 pub(crate) fn used() -> Vec<RankUse> {
-    match &*state() {
-        State::Running(world) if world.size() > 1 => {
-            shim::tell(&mut [REPORT, 0, 0, 0]);
-            use_of_each(world)
-        }
-        _ => Vec::new(),
+    if count() == 1 {
+        return Vec::new();
     }
+    let told = run(0, Job::Use, Own::default()).unwrap_or_default();
+    let of = |[cpu_seconds, bytes]: &[f64; 2]| RankUse { cpu_seconds: *cpu_seconds, peak_rss_bytes: *bytes as u64 };
+    told.as_chunks().0.iter().map(of).collect()
 }
 
 /// Returns the number of ranks; 1 unless MPI runs.
 pub(crate) fn count() -> usize {
     match &*state() {
-        State::Running(world) => world.size(),
+        State::Running(world, _) => world.size(),
         State::Before | State::Broken | State::Ended => 1,
     }
 }
 
-fn use_of_each(world: &World) -> Vec<RankUse> {
-    let of = |[cpu_seconds, bytes]: [f64; 2]| RankUse { cpu_seconds, peak_rss_bytes: bytes as u64 };
-    world.of_each([cpu_seconds(), peak_rss_bytes().unwrap_or(0) as f64]).into_iter().map(of).collect()
+/// Returns an error unless PETSc has asked for each of these options.
+pub(crate) fn check_options(options: &str) -> Result<(), LinearError> {
+    let _alone = state();
+    petsc::check_options(options)
 }
 
-/// Returns `true` on rank 0 if the BLAS of every rank has memory for its buffers.
-fn has_room(world: &World) -> bool {
-    let has_room = f64::from(prepare_blas().is_ok());
-    world.of_each([has_room]).into_iter().all(|[has_room]| has_room == 1.0)
-}
-
-/// A part on each rank, from the view of rank 0.
-pub(crate) struct Shared {
-    id: i64,
-    part: ManuallyDrop<Part>,
-}
-
-impl Shared {
-    /// Creates the parts, with the rows of `body` if there is one.
-    ///
-    /// # Errors
-    /// As [`start`], and if memory is short.
-    pub(crate) fn new(body: Option<&dyn NodeRows>) -> Result<Self, LinearError> {
-        let mut state = state();
-        let world = state.running()?;
-        shim::tell(&mut [PREPARE, 0, 0, 0]);
-        if !has_room(world) {
-            return Err(LinearError::OutOfMemory { step: "the BLAS of a rank, which takes 128 MiB for itself" });
-        }
-        let id = world.next();
-        shim::tell(&mut [NEW, id, body.is_some().into(), 0]);
-        let part = Part::leading(world, body);
-        Ok(Shared { id, part: ManuallyDrop::new(state.after(part)?) })
-    }
-
-    /// Runs a `job` on all ranks, for the system of this number; `own` does the work of rank 0.
-    ///
-    /// # Errors
-    /// If MPI has ended, and as `own`.
-    pub(crate) fn run<T>(
-        &mut self,
-        job: Job,
-        of: i64,
-        own: impl FnOnce(&World, &mut Part) -> Result<T, LinearError>,
-    ) -> Result<T, LinearError> {
-        let mut state = state();
-        let world = state.running()?;
-        shim::tell(&mut [RUN, self.id, job as i64, of]);
-        let result = own(world, &mut self.part);
-        state.after(result)
-    }
-
-    /// Returns the part of rank 0.
-    pub(crate) fn part(&self) -> &Part {
-        &self.part
-    }
-}
-
-impl Drop for Shared {
-    fn drop(&mut self) {
-        let state = state();
-        // If MPI has ended before, the part cannot be dropped.
-        if let State::Running(_) = &*state {
-            shim::tell(&mut [DROP, self.id, 0, 0]);
-            // SAFETY: the part is not used afterwards.
-            unsafe { ManuallyDrop::drop(&mut self.part) };
-        }
+/// Returns the numbers of the nodes of the stiffness of this number, if there is one.
+pub(crate) fn numbering(number: i64) -> Option<Arc<Numbering>> {
+    match &*state() {
+        State::Running(_, objects) => Some(Arc::clone(&objects.rows.get(&number)?.numbering)),
+        State::Before | State::Broken | State::Ended => None,
     }
 }
 
@@ -253,7 +190,7 @@ mod tests {
     #[test]
     fn after_a_failure_the_ranks_are_lost() {
         for (size, then) in [(1, None), (2, Some(LinearError::RankFailed))] {
-            let mut state = State::Running(World::of(size));
+            let mut state = State::Running(World::of(size), Objects::default());
             let failure = LinearError::OutOfMemory { step: "a test" };
             assert_eq!(state.after::<()>(Err(failure.clone())), Err(failure));
             assert_eq!(state.running().err(), then);

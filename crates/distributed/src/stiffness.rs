@@ -1,16 +1,14 @@
 //! A stiffness with rows on all ranks, from the view of rank 0: vectors, and the columns near contact.
 
 use std::fmt;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
 use stickslip::algebra::linear::{Distributed, LinearError, Stiffness};
 use stickslip::algebra::{Csc, DoubleDouble, MatrixError, NodeRows, Symmetric};
 
-use crate::handle::{Parts, locked};
-use crate::part::{Job, Part};
-use crate::ranks::Shared;
-use crate::ranks::shim::World;
-use crate::rows::{Numbering, Rows};
+use crate::job::{Job, Own, Product, Remote};
+use crate::ranks;
+use crate::rows::Numbering;
 
 /// Creates the stiffness of `body`, of which each MPI rank assembles the rows of its own nodes. This process keeps a
 /// copy of the columns at the nodes `near` contact. Returns `None` if a rank cannot assemble its rows, or has another
@@ -27,7 +25,7 @@ pub(crate) fn share(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Stiffne
 pub(crate) struct SharedStiffness(Arc<Inner>);
 
 struct Inner {
-    parts: Parts,
+    rows: Remote,
     numbering: Arc<Numbering>,
     entries: usize,
     /// The displacement in each row of the whole; those of missing directions are of no displacement.
@@ -45,10 +43,10 @@ impl fmt::Debug for SharedStiffness {
 
 impl SharedStiffness {
     fn new(body: &dyn NodeRows, near: &[bool]) -> Result<Option<Self>, LinearError> {
-        let mut parts = Shared::new(Some(body))?;
-        let Some(rows) = &parts.part().rows else { return Ok(None) };
-        let (numbering, d) = (Arc::clone(&rows.numbering), body.dimension());
-        let mut displacements = vec![usize::MAX; numbering.count() * d];
+        let rows = Remote::new(Job::Rows, Own { body: Some(body), ..Own::default() })?;
+        let Some(numbering) = ranks::numbering(rows.0) else { return Ok(None) };
+        let d = body.dimension();
+        let mut displacements = vec![usize::MAX; numbering.bounds.last().map_or(0, |nodes| nodes * d)];
         for (node, number) in (0..body.nodes()).filter_map(|node| Some((node, numbering.number(node)?))) {
             for (direction, dof) in body.places(node).into_iter().enumerate() {
                 if let Some(dof) = dof {
@@ -56,20 +54,24 @@ impl SharedStiffness {
                 }
             }
         }
-        let [mut row_norms, mut diagonal] = [(); 2].map(|()| vec![0.0; body.order()]);
-        let entries = parts.run(Job::Norms, 0, |world, part| match &mut part.rows {
-            Some(rows) => rows.norms(world, [&mut row_norms, &mut diagonal]),
-            None => Ok(0),
-        })?;
+        let [mut diagonal, mut row_norms] = [(); 2].map(|()| vec![0.0; body.order()]);
+        let told = rows.run(Job::Norms, Own { y: [&mut diagonal, &mut row_norms], ..Own::default() })?;
+        let entries = told.iter().sum::<f64>() as usize;
         let Some(Ok(near)) = body.rows(near).map(|rows| columns(&rows, body, near)) else { return Ok(None) };
-        let parts = Arc::new(Mutex::new(parts));
-        let inner = Inner { parts, numbering, entries, displacements, near, diagonal, row_norms };
-        Ok(Some(SharedStiffness(Arc::new(inner))))
+        Ok(Some(SharedStiffness(Arc::new(Inner {
+            rows,
+            numbering,
+            entries,
+            displacements,
+            near,
+            diagonal,
+            row_norms,
+        }))))
     }
 
-    /// Returns the parts on all ranks.
-    pub(crate) fn parts(&self) -> &Parts {
-        &self.0.parts
+    /// Returns its number on all ranks.
+    pub(crate) fn number(&self) -> i64 {
+        self.0.rows.0
     }
 
     /// Returns the numbers of the nodes, and the ranges of the ranks.
@@ -77,15 +79,8 @@ impl SharedStiffness {
         &self.0.numbering
     }
 
-    fn run<T>(
-        &self,
-        job: Job,
-        own: impl FnOnce(&World, &mut Rows) -> Result<T, LinearError>,
-    ) -> Result<T, LinearError> {
-        locked(&self.0.parts).run(job, 0, |world, Part { rows, .. }| match rows {
-            Some(rows) => own(world, rows),
-            None => Err(LinearError::Order { missing: "the rows of this rank" }),
-        })
+    fn product(&self, product: Product, x: [&[f64]; 2], y: [&mut [f64]; 2]) -> Result<(), LinearError> {
+        self.0.rows.run(Job::Product(product), Own { x, y, ..Own::default() }).map(drop)
     }
 }
 
@@ -126,16 +121,16 @@ impl Distributed for SharedStiffness {
     }
 
     fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
-        self.run(Job::Product, |_, rows| rows.products(Job::Product, [x, &[]], [y, &mut []]))
+        self.product(Product::Plain, [x, &[]], [y, &mut []])
     }
 
     fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) -> Result<(), LinearError> {
-        self.run(Job::Products, |_, rows| rows.products(Job::Products, [x, &[]], [y, sizes]))
+        self.product(Product::Sizes, [x, &[]], [y, sizes])
     }
 
     fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
         let (mut high, mut low) = (vec![0.0; x.len()], vec![0.0; x.len()]);
-        self.run(Job::Beyond, |_, rows| rows.products(Job::Beyond, [x, rest], [&mut high, &mut low]))?;
+        self.product(Product::Beyond, [x, rest], [&mut high, &mut low])?;
         for (sum, (high, low)) in sums.iter_mut().zip(high.into_iter().zip(low)) {
             sum.add_product(factor, high);
             sum.add(factor * low);
@@ -144,13 +139,14 @@ impl Distributed for SharedStiffness {
     }
 
     fn gathered(&self) -> Result<Symmetric, LinearError> {
-        let entries = self.run(Job::Lower, |world, rows| rows.lower(world))?;
+        let told = self.0.rows.run(Job::Lower, Own::default())?;
         let dof = &self.0.displacements;
         let entry = |[row, column, value]: &[f64; 3]| {
             let (row, column) = (dof[*row as usize], dof[*column as usize]);
-            (row.max(column), row.min(column), *value)
+            // Directions that supports have removed are no displacements.
+            (row.max(column) < self.order()).then_some((row.max(column), row.min(column), *value))
         };
-        let entries: Vec<_> = entries.as_chunks().0.iter().map(entry).collect();
+        let entries: Vec<_> = told.as_chunks().0.iter().filter_map(entry).collect();
         Symmetric::from_triplets(self.order(), &entries).map_err(|_| LinearError::NotFinite)
     }
 }

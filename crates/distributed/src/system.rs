@@ -1,62 +1,78 @@
 //! A Newton system on all ranks: its matrix, the elimination of contact from it, and the solver.
 //!
-//! Contact is eliminated exactly, node by node: first the held displacements `E r`, then a cycle of algebraic multigrid on
-//! the matrix `R A F` between the free displacements, then the reactions `T`,
+//! The matrix is `A = f J K Jᵀ + C`, with a stiffness `K` between displacements, the ones `J`, and all others `C`.
+//! Contact is eliminated exactly, node by node: first the held displacements `E r`, then a cycle of algebraic multigrid
+//! on the matrix `R A F` between the free displacements, then the reactions `T`,
 //!
 //! ```text
 //! y = E r,   y += F (R A F)⁻¹ R (r - A y),   y += T (r - A y).
 //! ```
 //!
-//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of `A` and the
-//! matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A E)`.
+//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of
+//! `A` and the matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A
+//! E)`.
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
-use stickslip::algebra::linear::LinearError;
+use serde::{Deserialize, Serialize};
+use stickslip::algebra::linear::{FactorInfo, LinearError};
 
 use crate::exchange::Exchange;
-use crate::petsc::{self, Found, Int, Krylov, Matrix, Parts, Preconditioner, Vector};
-use crate::ranks::shim::{World, tell, tell_text};
-use crate::rows::Rows;
+use crate::job::{Job, Own, Remote};
+use crate::petsc::{self, Cycle, Entry, Found, Int, Krylov, Matrix, Parts, Vector};
 
-/// An entry: row and column in the whole, value.
-pub(crate) type Entry = (Int, Int, f64);
-
-/// The data of a system that rank 0 broadcasts.
-pub(crate) struct Setup<'a> {
+/// The data of a system that all ranks know.
+#[derive(Default, Serialize, Deserialize)]
+pub(crate) struct Setup {
     /// The dimension; 0 for a system that is factored.
     pub dimension: usize,
     pub options: String,
     /// The ranges of nodes and of rows of the ranks.
     pub nodes: Vec<usize>,
     pub rows: Vec<usize>,
+    /// The number of rigid motions.
+    pub motions: usize,
+    /// The number of the shared stiffness, if it is one.
+    pub stiffness: Option<i64>,
+}
+
+/// The data of a system that rank 0 alone has.
+#[derive(Default)]
+pub(crate) struct Places<'a> {
     /// The row of each unknown.
-    pub places: &'a [Int],
+    pub rows: &'a [Int],
     /// The displacements of the rigid motions, followed by zeros.
     pub motions: Vec<Vec<f64>>,
-    /// Row and column of each entry, if rank 0 has the whole matrix.
-    pub entries: Option<[Vec<Int>; 2]>,
+    /// Row and column of each entry of a stiffness that is not shared, and of all others.
+    pub stiffness: [Vec<Int>; 2],
+    pub rest: [Vec<Int>; 2],
 }
 
-/// The data of new values that rank 0 broadcasts.
-pub(crate) struct Change<'a> {
-    /// The values of the entries, or entries besides `factor` times the shared stiffness; nothing if they stay.
-    pub values: Values<'a>,
-    /// The way to solve.
-    pub by: By<'a>,
+/// The change of a system that all ranks know.
+#[derive(Serialize, Deserialize)]
+pub(crate) struct Change {
+    /// The factor of the stiffness; nothing if all values stay.
+    pub factor: Option<f64>,
+    pub by: By,
 }
 
-pub(crate) enum Values<'a> {
-    Same,
-    Whole(&'a [f64]),
-    Beside(f64, &'a [Entry]),
-}
-
-pub(crate) enum By<'a> {
+/// The way to solve.
+#[derive(Clone, Copy, Serialize, Deserialize)]
+pub(crate) enum By {
     /// MUMPS.
     Factors,
     /// The options, with contact eliminated and the cycle of this number, which may be made anew.
-    Options { contact: &'a Contact, cycle: i64, fresh: bool, unsymmetric: bool },
+    Options { cycle: i64, fresh: bool, unsymmetric: bool },
+}
+
+/// The values of the entries that rank 0 alone has, in the order of [`Places`], and the entries of the matrices that
+/// eliminate contact.
+#[derive(Default, Clone, Copy)]
+pub(crate) struct Values<'a> {
+    pub stiffness: &'a [f64],
+    pub rest: &'a [f64],
+    pub contact: Option<&'a Contact>,
 }
 
 /// The entries of the matrices that eliminate contact.
@@ -70,24 +86,15 @@ pub(crate) struct Contact {
     pub added: Vec<Entry>,
 }
 
-/// The properties of the present factors or of the matrix.
-#[derive(Debug, Clone, Copy, Default)]
-pub(crate) struct Outcome {
-    /// MUMPS's status, which is equal on all ranks; 0 without it.
-    pub status: Int,
-    pub entries: f64,
-    pub flops: f64,
-    pub pivots: f64,
-    pub peak_bytes: f64,
-}
-
 /// The part of one rank.
 pub(crate) struct System {
-    dimension: usize,
-    nodes: Vec<usize>,
-    rows: Vec<usize>,
+    setup: Setup,
     rank: usize,
-    matrix: Matrix,
+    stiffness: Option<Arc<Matrix>>,
+    factor: f64,
+    rest: Matrix,
+    /// The ones from displacements to all unknowns, and back.
+    ones: [Matrix; 2],
     exchange: Exchange,
     solution: Vector,
     kernel: Vec<Vector>,
@@ -95,175 +102,144 @@ pub(crate) struct System {
     has_other: bool,
     krylov: Option<Krylov>,
     is_factored: bool,
-    /// The cycles, each with the matrix that it was made for.
-    cycles: HashMap<i64, (Preconditioner, Matrix)>,
+    cycles: HashMap<i64, Cycle>,
 }
 
 impl System {
-    /// Creates the part of this rank. Rank 0 has the setup.
-    pub(crate) fn new(world: &World, stiffness: Option<&Rows>, own: Option<Setup<'_>>) -> Result<Self, LinearError> {
-        let mut head = own
-            .as_ref()
-            .map_or([0; 3], |own| [own.dimension as i64, own.motions.len() as i64, i64::from(own.entries.is_some())]);
-        tell(&mut head);
-        let options = tell_text(own.as_ref().map_or("", |own| &own.options));
-        let mut words: Vec<i64> = vec![0; 2 * (world.size() + 1)];
-        if let Some(own) = &own {
-            words.iter_mut().zip(own.nodes.iter().chain(&own.rows)).for_each(|(word, bound)| *word = *bound as i64);
-        }
-        tell(&mut words);
-        petsc::start(&options)?;
-        let bounds: Vec<usize> = words.into_iter().map(|word| word as usize).collect();
-        let (nodes, rows) = bounds.split_at(world.size() + 1);
-        let (dimension, rank) = (head[0] as usize, world.rank());
+    /// Creates the part of this rank.
+    pub(crate) fn new(
+        rank: usize,
+        setup: Setup,
+        shared: Option<Arc<Matrix>>,
+        own: Places<'_>,
+    ) -> Result<Self, LinearError> {
+        petsc::start(&setup.options)?;
         let here = |bounds: &[usize]| bounds[rank + 1] - bounds[rank];
-        let (displacements, all) = (here(nodes) * dimension, here(rows));
-        let mut exchange = Exchange::new(all, own.as_ref().map_or(&[], |own| own.places))?;
+        let (d, free, all) = (setup.dimension, here(&setup.nodes) * setup.dimension, here(&setup.rows));
+        let exchange = Exchange::new(all, own.rows)?;
         let mut kernel = Vec::new();
-        for k in 0..head[1] as usize {
-            exchange.deal(own.as_ref().map_or(&[], |own| &own.motions[k]))?;
-            let motion = exchange.own.with(|all| all[..displacements].to_vec())?;
-            let mut vector = Vector::new(displacements)?;
+        for k in 0..setup.motions {
+            exchange.deal(own.motions.get(k).map_or(&[], |motion| motion))?;
+            let (motion, vector) = (exchange.own.with(|all| all[..free].to_vec())?, Vector::new(free)?);
             vector.with(|to| to.copy_from_slice(&motion))?;
-            if vector.orthonormalise(&kernel)? {
-                kernel.push(vector);
-            }
+            kernel.push(vector);
         }
-        let matrix = if let Some(stiffness) = stiffness.filter(|_| head[2] == 0) {
-            stiffness.room(all - displacements)?
-        } else {
-            let [mut at, mut columns] = own.and_then(|own| own.entries).unwrap_or_default();
-            Matrix::with_places([all; 2], 1, &mut at, &mut columns)?
+        let stiffness = match shared {
+            None if d > 0 => Some(Arc::new(Matrix::with_places([free; 2], [d; 2], own.stiffness)?)),
+            shared => shared,
         };
+        // Every rank has the ones of its own displacements.
+        let (row, column) = (setup.rows[rank] as Int, (setup.nodes[rank] * d) as Int);
+        let ones = (0..free as Int).map(|k| (row + k, column + k, 1.0));
+        let back = ones.clone().map(|(row, column, one)| (column, row, one));
         Ok(System {
-            dimension,
-            nodes: nodes.to_vec(),
-            rows: rows.to_vec(),
             rank,
-            matrix,
+            stiffness,
+            factor: 1.0,
+            rest: Matrix::with_places([all; 2], [1; 2], own.rest)?,
+            ones: [Matrix::of([all, free], [1, d.max(1)], ones)?, Matrix::of([free, all], [d.max(1), 1], back)?],
             exchange,
             solution: Vector::new(all)?,
             kernel,
-            has_other: dimension > 0 && petsc::has(c"-pc_type")?,
+            has_other: d > 0 && petsc::has(c"-pc_type")?,
             krylov: None,
             is_factored: false,
             cycles: HashMap::new(),
+            setup,
         })
     }
 
-    /// Takes over the values of rank 0, and prepares to solve. Rank 0 has the change.
-    pub(crate) fn factorize(
-        &mut self,
-        stiffness: Option<&Rows>,
-        own: Option<&Change<'_>>,
-    ) -> Result<Outcome, LinearError> {
-        let mut head = own.map_or([0; 6], |own| {
-            let (kind, factor) = match own.values {
-                Values::Same => (0, 0.0),
-                Values::Whole(_) => (1, 0.0),
-                Values::Beside(factor, _) => (2, factor),
-            };
-            let by = match own.by {
-                By::Factors => [0; 4],
-                By::Options { cycle, fresh, unsymmetric, .. } => [1, cycle, fresh.into(), unsymmetric.into()],
-            };
-            [kind, f64::to_bits(factor) as i64, by[0], by[1], by[2], by[3]]
-        });
-        tell(&mut head);
-        let [kind, factor, by_options, cycle, fresh, unsymmetric] = head;
-        match (kind, stiffness) {
-            (1, _) => self
-                .matrix
-                .set(own.map_or(&[], |own| if let Values::Whole(values) = own.values { values } else { &[] }))?,
-            (2, Some(stiffness)) => {
-                self.matrix.clear()?;
-                stiffness.add_to(&mut self.matrix, f64::from_bits(factor as u64), &self.rows)?;
-                if let Some(Change { values: Values::Beside(_, entries), .. }) = own {
-                    for &(row, column, value) in *entries {
-                        self.matrix.add(&[row], &[column], &[value])?;
-                    }
-                }
-                self.matrix.assemble()?;
+    /// Takes over values, and prepares to solve. Returns the numbers of [`info`].
+    pub(crate) fn factorize(&mut self, change: &Change, own: Values<'_>) -> Result<Vec<f64>, LinearError> {
+        if let Some(factor) = change.factor {
+            self.factor = factor;
+            self.rest.set(own.rest)?;
+            if let (Some(stiffness), None) = (&self.stiffness, self.setup.stiffness) {
+                stiffness.set(own.stiffness)?;
             }
-            _ => {}
         }
-        if by_options == 0 {
+        if let By::Factors = change.by {
             return self.factors();
         }
         self.krylov = None;
         self.is_factored = false;
-        let none = Contact::default();
-        let contact = match own {
-            Some(Change { by: By::Options { contact, .. }, .. }) => contact,
-            _ => &none,
-        };
-        self.by_options(contact, cycle, fresh != 0, unsymmetric != 0)?;
-        Ok(Outcome { entries: self.matrix.entries()?, pivots: 1.0, ..Outcome::default() })
+        let stiffness = self.stiffness.clone().ok_or(crate::NOT_ANALYZED)?;
+        if self.has_other {
+            self.krylov = Some(Krylov::new(c"", &self.assembled(&stiffness)?, None)?);
+        } else {
+            self.by_options(&stiffness, own.contact.unwrap_or(&Contact::default()), change.by)?;
+        }
+        let entries = stiffness.entries()? + self.rest.entries()?;
+        Ok(vec![0.0, entries, 0.0, 1.0, 0.0])
     }
 
-    /// Prepares to solve as the options say.
-    fn by_options(&mut self, contact: &Contact, cycle: i64, fresh: bool, unsymmetric: bool) -> Result<(), LinearError> {
-        if self.has_other {
-            self.krylov = Some(Krylov::by_options(&self.matrix, None)?);
-            return Ok(());
-        }
-        let d = self.dimension;
-        let here = |bounds: &[usize]| bounds[self.rank + 1] - bounds[self.rank];
-        let (all, free) = (here(&self.rows), here(&self.nodes) * d);
-        // Every rank has the ones of its own displacements.
-        let (row, column) = (self.rows[self.rank] as Int, (self.nodes[self.rank] * d) as Int);
-        let ones = (0..free as Int).map(|k| (row + k, column + k, 1.0));
-        let to_all: Vec<Entry> = ones.clone().chain(contact.to_all.iter().copied()).collect();
-        let mut to_all = Matrix::of([all, free], d, &to_all)?;
-        let only_ones = Matrix::of([all, free], d, &ones.clone().collect::<Vec<_>>())?;
-        let ones = ones.map(|(row, column, one)| (column, row, one));
-        let from_all: Vec<Entry> = ones.chain(contact.from_all.iter().copied()).collect();
-        let mut from_all = Matrix::of([free, all], 1, &from_all)?;
-        let mut known = Matrix::of([all; 2], 1, &contact.held)?;
-        let reactions = Matrix::of([all; 2], 1, &contact.reactions)?;
+    /// Returns the whole matrix, assembled.
+    fn assembled(&self, k: &Matrix) -> Result<Matrix, LinearError> {
+        let [to, back] = &self.ones;
+        to.times(k)?.times(back)?.plus(self.factor, &[(1.0, &self.rest)])
+    }
+
+    /// Prepares to solve as the options say, with contact eliminated.
+    fn by_options(&mut self, k: &Matrix, contact: &Contact, by: By) -> Result<(), LinearError> {
+        let System { factor, rest, ones: [to, back], rank, .. } = self;
+        let (d, f, nodes, rows) = (self.setup.dimension, *factor, &self.setup.nodes, &self.setup.rows);
+        let here = |bounds: &[usize]| bounds[*rank + 1] - bounds[*rank];
+        let (free, all) = (here(nodes) * d, here(rows));
+        let of = |sizes, entries: &[Entry]| Matrix::of(sizes, [1; 2], entries.iter().copied());
+        let (held, reactions) = (of([all; 2], &contact.held)?, of([all; 2], &contact.reactions)?);
+        let (to_more, from_more) = (of([all, free], &contact.to_all)?, of([free, all], &contact.from_all)?);
+        let to_all = to.plus(1.0, &[(1.0, &to_more)])?;
+        let from_all = back.plus(1.0, &[(1.0, &from_more)])?;
+        let a_times = |m: &Matrix| to.times(&k.times(&back.times(m)?)?)?.plus(f, &[(1.0, &rest.times(m)?)]);
+        let times_a = |m: &Matrix| m.times(to)?.times(k)?.times(back)?.plus(f, &[(1.0, &m.times(rest)?)]);
+        let By::Options { cycle, fresh, unsymmetric } = by else { return Err(crate::NOT_FACTORIZED) };
         if fresh {
             // The old cycle is dropped before a new one is made.
             self.cycles.remove(&cycle);
-            // F = J + F_c and R = Jᵀ + R_c, with the ones J, make it Jᵀ A J + R_c A J + R A F_c.
-            let places: Vec<Int> = (row..).take(free).collect();
-            let mut between = self.matrix.within(&places)?;
-            let of_contact = Matrix::of([all, free], d, &contact.to_all)?;
-            between.plus_within(&from_all.times(&self.matrix.times(&of_contact)?)?)?;
-            let of_contact = Matrix::of([free, all], 1, &contact.from_all)?;
-            between.plus_within(&of_contact.times(&self.matrix)?.times(&only_ones)?)?;
-            for &(row, column, value) in &contact.added {
-                between.add(&[row], &[column], &[value])?;
-            }
-            between.assemble()?;
-            let made = Preconditioner::cycle(&between, d, &self.kernel, !unsymmetric)?;
-            self.cycles.insert(cycle, (made, between));
+            // F = J + F_c and R = Jᵀ + R_c make R A F = f K + Jᵀ C J + R A F_c + R_c A J.
+            let added = of([free; 2], &contact.added)?;
+            let by_rest = back.times(rest)?.times(to)?;
+            let by_to = from_all.times(&a_times(&to_more)?)?;
+            let by_from = times_a(&from_more)?.times(to)?;
+            let beside = added.plus(1.0, &[(1.0, &by_rest), (1.0, &by_to), (1.0, &by_from)])?;
+            let between = k.plus_within(f, &beside)?;
+            self.cycles.insert(cycle, Cycle::new(&between, d, &self.kernel, !unsymmetric)?);
         }
-        let by_held = self.matrix.times(&known)?;
-        let by_reactions = reactions.times(&self.matrix)?;
-        from_all.plus(-1.0, &from_all.times(&by_held)?)?;
-        to_all.plus(-1.0, &by_reactions.times(&to_all)?)?;
-        known.plus(1.0, &reactions)?;
-        known.plus(-1.0, &reactions.times(&by_held)?)?;
-        let (cycle, _) = self.cycles.get(&cycle).ok_or(crate::NOT_FACTORIZED)?;
-        let parts = Parts { known: &known, cycle, from_all: &from_all, to_all: &to_all };
-        self.krylov = Some(Krylov::by_options(&self.matrix, Some(parts))?);
+        let (by_held, by_reactions) = (a_times(&held)?, times_a(&reactions)?);
+        let [less_from, less_to] = [from_all.times(&by_held)?, by_reactions.times(&to_all)?];
+        let less = reactions.times(&by_held)?;
+        let parts = Parts {
+            known: held.plus(1.0, &[(1.0, &reactions), (-1.0, &less)])?,
+            from_all: from_all.plus(1.0, &[(-1.0, &less_from)])?,
+            to_all: to_all.plus(1.0, &[(-1.0, &less_to)])?,
+        };
+        let places: Vec<Int> = (rows[*rank]..rows[*rank + 1]).map(|row| row as Int).collect();
+        let (of_free, of_forces) = places.split_at(free);
+        let matrix = Matrix::beside(k, f, [of_free, of_forces], rest)?;
+        let cycle = self.cycles.get(&cycle).ok_or(crate::NOT_FACTORIZED)?;
+        cycle.set(&matrix, &parts)?;
+        self.krylov = Some(Krylov::new(c"", &matrix, Some(cycle))?);
         Ok(())
     }
 
     /// Factors the matrix. If that takes more memory than predicted, it is repeated with more room.
-    fn factors(&mut self) -> Result<Outcome, LinearError> {
+    fn factors(&mut self) -> Result<Vec<f64>, LinearError> {
         /// The room of the factors beyond the prediction, in per cent, and the number of attempts with more.
-        const ROOM: Int = 30;
+        const ROOM: usize = 30;
         const TRIES: usize = 7;
         let mut room = ROOM;
         self.cycles.clear();
         let mut krylov = self.krylov.take().filter(|_| self.is_factored);
+        let assembled = self.stiffness.as_ref().map(|k| self.assembled(k)).transpose()?;
+        let matrix = assembled.as_ref().unwrap_or(&self.rest);
         for _ in 0..TRIES {
-            let mut made = match krylov.take() {
-                Some(made) => made,
-                None => Krylov::direct(&self.matrix, room)?,
+            let made = if let Some(made) = krylov.take() {
+                made.set_up(matrix)?;
+                made
+            } else {
+                petsc::set(c"-factors_mat_mumps_icntl_14", room)?;
+                Krylov::new(c"factors_", matrix, None)?
             };
-            made.factorize(&self.matrix)?;
             let ([status, peak, entries], [flops, least, largest]) = made.told()?;
             self.is_factored = status >= 0;
             if !matches!(status, -8 | -9 | -11 | -14 | -15 | -17 | -20) {
@@ -272,28 +248,66 @@ impl System {
                 let (pivots, peak_bytes) = (least / largest, 1e6 * f64::from(peak));
                 // MUMPS does not factor with an instance that has failed.
                 self.krylov = Some(made).filter(|_| self.is_factored);
-                return Ok(Outcome { status, entries, flops, pivots, peak_bytes });
+                return Ok(vec![status.into(), entries, flops, pivots, peak_bytes]);
             }
             room = 2 * room + 20;
         }
-        Ok(Outcome { status: -9, ..Outcome::default() })
+        Ok(vec![-9.0, 0.0, 0.0, 0.0, 0.0])
     }
 
-    /// Solves `A x = b`. Rank 0 has the tolerance and the limit of iterations, and both vectors.
+    /// Solves `A x = b` from 0 to a relative residual of `tolerance`, in at most `limit` iterations if that is given.
+    /// Rank 0 has both vectors. Returns the numbers of what was [`Found`].
     pub(crate) fn solve(
-        &mut self,
-        own: Option<(f64, Option<usize>)>,
+        &self,
+        tolerance: f64,
+        limit: Option<usize>,
         b: &[f64],
         x: &mut [f64],
-    ) -> Result<Found, LinearError> {
-        let mut head = own
-            .map_or([0; 2], |(tolerance, limit)| [tolerance.to_bits() as i64, limit.map_or(-1, |limit| limit as i64)]);
-        tell(&mut head);
-        let Some(krylov) = &mut self.krylov else { return Err(crate::NOT_FACTORIZED) };
+    ) -> Result<Vec<f64>, LinearError> {
+        let Some(krylov) = &self.krylov else { return Err(crate::NOT_FACTORIZED) };
         self.exchange.deal(b)?;
-        let limit = usize::try_from(head[1]).ok();
-        let found = krylov.solve(&self.exchange.own, &mut self.solution, f64::from_bits(head[0] as u64), limit)?;
+        let Found { iterations, reason } = krylov.solve(&self.exchange.own, &self.solution, tolerance, limit)?;
         self.exchange.collect(&self.solution, x)?;
-        Ok(found)
+        Ok(vec![iterations as f64, reason.into()])
     }
+}
+
+/// Returns the properties of the present factors or of the matrix: MUMPS's status, which is equal on all ranks and 0
+/// without it, the entries, operations, ratio of pivots, and peak memory in bytes.
+///
+/// # Errors
+/// If MUMPS failed.
+fn info(told: &[f64]) -> Result<FactorInfo, LinearError> {
+    /// The status of a zero pivot.
+    const SINGULAR: Int = -10;
+    const STEP: &str = "the factorisation";
+    let &[status, entries, flops, pivot_ratio, peak_bytes] = told else { return Err(crate::NOT_FACTORIZED) };
+    match status as Int {
+        // Positive statuses are warnings.
+        0.. => Ok(FactorInfo { entries: entries as usize, flops, pivot_ratio, peak_bytes }),
+        SINGULAR => Err(LinearError::Singular { pivot_ratio: 0.0 }),
+        // Memory was refused, a caller's limit or the 32-bit range was exceeded, or the prediction was too small
+        // despite more memory.
+        -7 | -8 | -9 | -11 | -15..=-13 | -17 | -19 | -20 | -51 | -52 => Err(LinearError::OutOfMemory { step: STEP }),
+        status => Err(LinearError::Backend { backend: "mumps", step: STEP, status: status.into() }),
+    }
+}
+
+/// Passes a change to all ranks, which prepare to solve.
+pub(crate) fn factorize(system: &Remote, change: Change, values: Values<'_>) -> Result<FactorInfo, LinearError> {
+    info(&system.run(Job::Factorize(change), Own { values, ..Own::default() })?)
+}
+
+/// Solves `A x = b` as [`System::solve`] says.
+pub(crate) fn solve(
+    system: &Remote,
+    tolerance: f64,
+    limit: Option<usize>,
+    b: &[f64],
+    x: &mut [f64],
+) -> Result<Found, LinearError> {
+    let own = Own { x: [b, &[]], y: [x, &mut []], ..Own::default() };
+    let told = system.run(Job::Solve { tolerance, limit }, own)?;
+    let &[iterations, reason] = &told[..] else { return Err(crate::NOT_FACTORIZED) };
+    Ok(Found { iterations: iterations as usize, reason: reason as i32 })
 }

@@ -15,11 +15,13 @@ fn every_scene_is_what_umfpack_says() {
     }
 }
 
-/// PORD's ordering, which MUMPS takes where it has neither METIS nor SCOTCH, has 1.1 times the fill of METIS'; that of minimum
-/// degree has 1.7 times.
+/// Debian's PETSc has a MUMPS with the orderings AMD, AMF, QAMD and PORD, and neither METIS nor SCOTCH. PORD, which has
+/// the least fill, takes 1.27 times the entries of UMFPACK with METIS in the cube; at 12 elements AMF takes 1.5 times
+/// as many, AMD and QAMD 1.6.
 #[test]
 fn factors_are_as_small_as_those_of_umfpack() {
-    for (name, change, bound) in [("cube", "mesh.elements=[16,16,16]", 1.3), ("block", "mesh.elements=[100,100]", 1.25)]
+    for (name, change, bound) in
+        [("cube", "mesh.elements=[16,16,16]", 1.28), ("block", "mesh.elements=[100,100]", 1.25)]
     {
         let overrides = [change, "time.increments=1"];
         let entries = |linear| report(name, &overrides, linear)["totals"]["nnz_factors"].as_f64().unwrap();

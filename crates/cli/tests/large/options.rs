@@ -31,13 +31,15 @@ fn petsc_prints_what_it_is_asked_for() {
 
 #[test]
 fn wrong_options_have_their_cure() {
-    for (options, words) in [
-        ("-ksp_type nonsense", ["nonsense", "solver.petsc"]),
-        ("-contact_pc_type nonsense", ["nonsense", "solver.petsc"]),
-        ("-ksp_max_it 2", ["did not converge in 2 iterations", "-ksp_max_it"]),
+    for (options, expected, words) in [
+        ("-ksp_type nonsense", 2, ["nonsense", "solver.petsc"]),
+        ("-contact_pc_type nonsense", 2, ["nonsense", "solver.petsc"]),
+        ("-ksp_rtoll 1e-3", 2, ["does not know -ksp_rtoll", "solver.petsc"]),
+        ("-ksp_max_it many", 2, ["many has no integer value", "solver.petsc"]),
+        ("-ksp_max_it 2", 3, ["did not converge in 2 iterations", "-ksp_max_it"]),
     ] {
         let (status, _, error) = run("petsc", options);
-        assert_eq!(status, Some(3), "{error}");
+        assert_eq!(status, Some(expected), "{error}");
         assert!(words.iter().all(|words| error.contains(words)), "{error}");
     }
     let (status, _, error) = run("mumps", "-ksp_monitor");

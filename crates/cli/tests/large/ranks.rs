@@ -12,12 +12,12 @@ use serde_json::Value;
 
 use crate::job::{Ended, Job, PROGRAM, cpu, other_ranks_with, signal, without_ours};
 use crate::program::Folder;
-use crate::scenes::{INCREMENTS, SCENES, assert_same_forces, iterations, more, path, report};
+use crate::scenes::{INCREMENTS, SCENES, assert_same_forces, iterations, path, report};
 use crate::whole::assert_whole;
 
-/// The solvers that ranks share, each with the relative difference of forces allowed between runs, and `true` if its steps
-/// are exact, so that they have the same number of iterations.
-const SHARED: &[(&str, f64, bool)] = &[("mumps", 1e-11, true), ("multigrid", 1e-10, false)];
+/// The solvers that ranks share, each with the relative difference of forces allowed between runs, and the iterations
+/// of an increment.
+const SHARED: &[(&str, f64, u64)] = &[("mumps", 1e-11, 0), ("multigrid", 1e-10, 2)];
 
 /// A run that takes some seconds: a cube in many increments.
 const LONG: [&str; 11] = [
@@ -46,20 +46,19 @@ fn whole() -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// Checks that the files are complete, and that the run can be resumed to its end. Inexact steps take another way to it, which
-/// may end with one iteration less.
+/// Checks that the files are complete, and that the run can be resumed to its end.
 fn goes_on(ended: Ended, solver: &str, tolerance: f64) {
     assert_whole(&ended.out());
     let ended = Job::start_in(ended.folder, 2, PROGRAM, &long(solver)).end();
     assert_eq!(ended.status, Some(0), "{} {}", ended.output, ended.error);
-    assert_same_forces("cube", &ended.report(), &whole(), 10.0 * tolerance);
+    assert_same_forces("cube", &ended.report(), &whole(), tolerance);
 }
 
 #[test]
 fn every_scene_is_the_same_on_two_and_four_ranks() {
     for (name, overrides) in SCENES {
         let expected = report(name, overrides, "umfpack");
-        for (&(solver, tolerance, exact), count) in SHARED.iter().flat_map(|shared| [(shared, 2), (shared, 4)]) {
+        for (&(solver, tolerance, more), count) in SHARED.iter().flat_map(|shared| [(shared, 2), (shared, 4)]) {
             let scene = path(name);
             let changes: Vec<&str> =
                 overrides.iter().chain(&[INCREMENTS]).flat_map(|change| ["--set", change]).collect();
@@ -70,9 +69,7 @@ fn every_scene_is_the_same_on_two_and_four_ranks() {
             let found = ended.report();
             let (by, expected_by) = (iterations(&found), iterations(&expected));
             println!("{what}: {by:?}, {expected_by:?}");
-            let most = |expected: u64| if exact { 0 } else { more(expected) };
-            let same = |(by, expected): (&u64, &u64)| by.abs_diff(*expected) <= most(*expected);
-            assert!(by.iter().zip(&expected_by).all(same), "{what}: {by:?}");
+            assert!(by.iter().zip(&expected_by).all(|(by, expected)| by.abs_diff(*expected) <= more), "{what}: {by:?}");
             assert_same_forces(&what, &found, &expected, tolerance);
             assert_eq!(found["totals"]["symbolic_analyses"], 1, "{what}");
             let ranks = found["totals"]["ranks"].as_array().unwrap();
@@ -167,8 +164,8 @@ fn auto_takes_what_ranks_can_share() {
     assert!(report["solver_choice"].as_str().unwrap().contains("2 processes"), "{}", report["solver_choice"]);
 }
 
-/// The stiffness for the choice of the solver is dropped before the rows are assembled, whose memory the process keeps for
-/// them. If rank 0 kept all of the matrix, that would take 100 MB more.
+/// The stiffness for the choice of the solver is dropped before the rows are assembled. The choice itself takes the
+/// most of rank 0, 277 MB; without it rank 0 takes 230 MB.
 #[test]
 fn auto_shares_a_stiffness_for_multigrid() {
     let cube = path("cube");
@@ -178,7 +175,7 @@ fn auto_shares_a_stiffness_for_multigrid() {
     let report = ended.report();
     assert_eq!(report["solver"], "multigrid", "{}", report["solver_choice"]);
     let ranks = report["totals"]["ranks"].as_array().unwrap();
-    assert!(ranks.iter().all(|rank| rank["peak_rss_bytes"].as_u64() < Some(310_000_000)), "{ranks:?}");
+    assert!(ranks.iter().all(|rank| rank["peak_rss_bytes"].as_u64() < Some(290_000_000)), "{ranks:?}");
 }
 
 #[test]

@@ -48,12 +48,6 @@ pub fn report(name: &str, overrides: &[&str], linear: &str) -> Value {
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
 }
 
-/// Returns the number of iterations that inexact steps may take more or less in an increment with so many: where many
-/// statuses change at a time, half as many.
-pub fn more(iterations: u64) -> u64 {
-    2.max(iterations / 2)
-}
-
 /// Returns the iterations of each increment.
 pub fn iterations(report: &Value) -> Vec<u64> {
     report["increments"].as_array().unwrap().iter().map(|record| record["iterations"].as_u64().unwrap()).collect()

@@ -7,9 +7,9 @@ use stickslip::algebra::linear::{Grid, LinearError, SystemMatrix};
 use super::node::{Eliminated, Local};
 use super::small::Small;
 use crate::expect_length;
-use crate::petsc::{Int, int};
+use crate::petsc::{Entry, Int, int};
 use crate::rows::Numbering;
-use crate::system::{Contact, Entry};
+use crate::system::Contact;
 
 /// The places of all unknowns, for one pattern.
 pub(super) struct Layout {
@@ -19,8 +19,8 @@ pub(super) struct Layout {
     pub rows: Vec<usize>,
     /// The row of each unknown.
     pub places: Vec<Int>,
-    /// The directions that supports have removed: the row, and a displacement of the node, if it has one.
-    pub missing: Vec<(Int, usize)>,
+    /// The directions that supports have removed: the row among displacements, and a displacement of the node.
+    missing: Vec<(Int, usize)>,
     contacts: Vec<ContactPlaces>,
     /// For each displacement the others that contain a share of it.
     uses: Vec<Vec<(usize, f64)>>,
@@ -69,8 +69,8 @@ pub(super) fn check(grid: &Grid, unknowns: usize) -> Result<(), LinearError> {
 }
 
 impl Layout {
-    /// Creates the layout for a matrix with this number of `unknowns`. Nodes have the `numbering` of a shared stiffness, or
-    /// are divided evenly among this number of `ranks`.
+    /// Creates the layout for a matrix with this number of `unknowns`. Nodes have the `numbering` of a shared
+    /// stiffness, or are divided evenly among this number of `ranks`.
     pub(super) fn new(
         grid: &Grid,
         unknowns: usize,
@@ -116,10 +116,11 @@ impl Layout {
             }
             contacts.push(ContactPlaces { own: own[contact.node], forces: contact.forces });
         }
+        let number = &number;
         let of_node = |node: &usize| {
             let (node, own) = (*node, own[*node]);
             let first = own.into_iter().flatten().next();
-            (0..d).filter(move |a| own[*a].is_none()).filter_map(move |a| Some((place(node, a), first?)))
+            (0..d).filter(move |a| own[*a].is_none()).filter_map(move |a| Some(((number[node] * d + a) as Int, first?)))
         };
         let mut uses = vec![Vec::new(); n];
         for (e, others) in &grid.changed {
@@ -140,14 +141,28 @@ impl Layout {
         })
     }
 
-    /// Returns the rigid motions of the displacements without shares of others, followed by zeros.
+    /// Returns the orthonormal rigid motions of the displacements without shares of others, followed by zeros.
     pub(super) fn motions(&self, grid: &Grid) -> Vec<Vec<f64>> {
-        let mut motions = grid.motions.clone();
-        for u in &mut motions {
+        let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let mut motions: Vec<Vec<f64>> = Vec::new();
+        for mut u in grid.motions.iter().cloned() {
             for (e, others) in &self.changed {
                 u[*e] -= others.iter().map(|(a, c)| c * u[*a]).sum::<f64>();
             }
-            u.resize(self.places.len(), 0.0);
+            let before = product(&u, &u).sqrt();
+            for other in motions.iter().chain(&motions) {
+                let share = product(other, &u);
+                u.iter_mut().zip(other).for_each(|(u, other)| *u -= share * other);
+            }
+            let size = product(&u, &u).sqrt();
+            // A motion that depends on the others is left out.
+            if size > 1e-10 * before {
+                for u in &mut u {
+                    *u /= size;
+                }
+                u.resize(self.places.len(), 0.0);
+                motions.push(u);
+            }
         }
         motions
     }
@@ -172,8 +187,8 @@ impl Layout {
         self.contacts.iter().map(|contact| local(contact).eliminated(oblique)).collect()
     }
 
-    /// Returns the matrices that eliminate contact at these `nodes`. The ones on the diagonal of the ways to all unknowns
-    /// and back are left out.
+    /// Returns the matrices that eliminate contact at these `nodes`. The ones on the diagonal of the ways to all
+    /// unknowns and back are left out.
     pub(super) fn contact(&self, nodes: &[Eliminated]) -> Contact {
         let mut contact = Contact::default();
         for (e, others) in &self.changed {
@@ -222,11 +237,24 @@ impl Layout {
         contact
     }
 
-    /// Returns row and column of the entries of a pattern, followed by those of the missing directions.
-    pub(super) fn entries(&self, entries: impl Iterator<Item = (usize, usize, f64)>) -> [Vec<Int>; 2] {
-        let places = entries.map(|(row, column, _)| (self.places[row], self.places[column]));
-        let all: Vec<(Int, Int)> = places.chain(self.missing.iter().map(|&(at, _)| (at, at))).collect();
-        [all.iter().map(|at| at.0).collect(), all.iter().map(|at| at.1).collect()]
+    /// Returns row and column of the entries of `matrix`, and their values: first those of the stiffness, unless that
+    /// is `shared`, with a diagonal in the missing directions, then all others.
+    pub(super) fn entries(&self, matrix: &SystemMatrix, shared: bool) -> ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) {
+        let (mut places, mut values): ([[Vec<Int>; 2]; 2], [Vec<f64>; 2]) = Default::default();
+        let mut push = |of: usize, row: Int, column: Int, value: f64| {
+            places[of][0].push(row);
+            places[of][1].push(column);
+            values[of].push(value);
+        };
+        for (row, column, value) in matrix.rest().entries() {
+            let is_stiffness = !shared && row.max(column) < self.columns.len();
+            let (of, place) = if is_stiffness { (0, &self.columns) } else { (1, &self.places) };
+            push(of, place[row], place[column], value);
+        }
+        for &(at, dof) in self.missing.iter().filter(|_| !shared) {
+            push(0, at, at, Some(matrix.get(dof, dof)).filter(|k| *k > 0.0).unwrap_or(1.0));
+        }
+        (places, values)
     }
 }
 

@@ -46,8 +46,8 @@ pub(super) struct Eliminated {
     /// The projection of displacements on the unconstrained directions, and the forces that follow from the projection.
     pub free: Small,
     pub following: Small,
-    /// The map from equilibrium to the unconstrained directions: the projection, in the oblique form without the effects
-    /// of reactions and of stiff springs.
+    /// The map from equilibrium to the unconstrained directions: the projection, in the oblique form without the
+    /// effects of reactions and of stiff springs.
     pub swept: Small,
     /// The terms that the matrix between the unconstrained directions needs: a diagonal in the constrained ones, and in
     /// the symmetric form what makes the springs symmetric.

@@ -13,12 +13,14 @@ use super::sys;
 /// The message of the last error.
 static MESSAGE: Mutex<String> = Mutex::new(String::new());
 
+/// The step that reads options.
+pub(super) const OPTIONS: &str = "its options";
+
 static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
 
-/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty. All ranks must call it, with
-/// the same ones.
+/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty. All ranks must call it,
+/// with the same ones.
 pub(crate) fn start(options: &str) -> Result<(), LinearError> {
-    const STEP: &str = "its options";
     STARTED.get_or_init(first).clone()?;
     let text = CString::new(options).unwrap_or_default();
     if text.is_empty() {
@@ -26,9 +28,9 @@ pub(crate) fn start(options: &str) -> Result<(), LinearError> {
     }
     // SAFETY: PETSc runs, and copies the text.
     unsafe {
-        check(STEP, sys::PetscOptionsClear(ptr::null_mut()))?;
-        check(STEP, sys::PetscOptionsInsertString(ptr::null_mut(), text.as_ptr()))?;
-        if has(c"-log_view")? { check(STEP, sys::PetscLogDefaultBegin()) } else { Ok(()) }
+        check(OPTIONS, sys::PetscOptionsClear(ptr::null_mut()))?;
+        check(OPTIONS, sys::PetscOptionsInsertString(ptr::null_mut(), text.as_ptr()))?;
+        if has(c"-log_view")? { check(OPTIONS, sys::PetscLogDefaultBegin()) } else { Ok(()) }
     }
 }
 
@@ -37,8 +39,40 @@ pub(crate) fn has(name: &CStr) -> Result<bool, LinearError> {
     let mut is_set = sys::PetscBool_PETSC_FALSE;
     let (options, prefix) = (ptr::null_mut(), ptr::null());
     // SAFETY: PETSc runs, and the name is a C string.
-    check("its options", unsafe { sys::PetscOptionsHasName(options, prefix, name.as_ptr(), &raw mut is_set) })?;
+    check(OPTIONS, unsafe { sys::PetscOptionsHasName(options, prefix, name.as_ptr(), &raw mut is_set) })?;
     Ok(is_set == sys::PetscBool_PETSC_TRUE)
+}
+
+/// Sets an option.
+pub(crate) fn set(name: &CStr, value: usize) -> Result<(), LinearError> {
+    let value = CString::new(value.to_string()).unwrap_or_default();
+    // SAFETY: PETSc runs, and copies both texts.
+    check(OPTIONS, unsafe { sys::PetscOptionsSetValue(ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
+}
+
+/// Returns an error unless PETSc has asked for each of these `options`.
+pub(crate) fn check_options(options: &str) -> Result<(), LinearError> {
+    /// What PETSc asks for at its start and its end.
+    const LATER: [&str; 5] = ["help", "info", "log_", "malloc_", "options_"];
+    let (all, mut many, mut names, mut values) = (ptr::null_mut(), 0, ptr::null_mut(), ptr::null_mut());
+    let unused: Vec<String>;
+    // SAFETY: PETSc runs, and lends two lists of this length until they are given back.
+    unsafe {
+        check(OPTIONS, sys::PetscOptionsLeftGet(all, &raw mut many, &raw mut names, &raw mut values))?;
+        let name = |k: usize| CStr::from_ptr(*names.add(k)).to_string_lossy().into_owned();
+        unused = (0..many as usize).map(name).collect();
+        check(OPTIONS, sys::PetscOptionsLeftRestore(all, &raw mut many, &raw mut names, &raw mut values))?;
+    }
+    let is_wrong = |name: &&str| unused.iter().any(|unused| unused == name);
+    let names = options.split_whitespace().filter_map(|word| word.strip_prefix('-'));
+    let names = names.filter(|name| !LATER.iter().any(|later| name.starts_with(later)));
+    let wrong: Vec<&str> = names.filter(is_wrong).collect();
+    if wrong.is_empty() {
+        return Ok(());
+    }
+    let reason = format!("it does not know -{}, or the others leave it no use", wrong.join(", -"));
+    let help = "correct or remove it in solver.petsc: -help prints the options that there are";
+    Err(LinearError::Engine { engine: "PETSc", step: OPTIONS, reason, help, of_options: true })
 }
 
 /// Ends PETSc, if it runs; `-log_view` then prints.
@@ -51,16 +85,6 @@ pub(crate) fn end() {
 
 fn first() -> Result<(), LinearError> {
     const STEP: &str = "its start";
-    const BUILT: [i32; 3] =
-        [sys::PETSC_VERSION_MAJOR as i32, sys::PETSC_VERSION_MINOR as i32, sys::PETSC_VERSION_SUBMINOR as i32];
-    let mut loaded = [0; 4];
-    let [major, minor, sub, release] = &mut loaded;
-    // SAFETY: the version may be asked for at any time, and is written to four places.
-    check(STEP, unsafe { sys::PetscGetVersionNumber(major, minor, sub, release) })?;
-    if loaded[..2] != BUILT[..2] {
-        let [major, minor, sub, _] = loaded;
-        return Err(LinearError::Version { library: "PETSc", built: BUILT, loaded: [major, minor, sub] });
-    }
     // SAFETY: MPI runs, and PETSc uses it unchanged. Options are copied.
     unsafe {
         let (name, value) = (c"-no_signal_handler".as_ptr(), c"true".as_ptr());
@@ -91,23 +115,25 @@ unsafe extern "C" fn keep(
 
 /// Converts the status of a call to an error with the option that helps.
 pub(super) fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(), LinearError> {
-    // The codes of PETSc; the first is that of refused memory. Where the system refuses memory, PETSc 3.18 returns other
-    // numbers.
+    // The codes of PETSc; the first is that of refused memory. Where the system refuses memory, PETSc 3.18 returns
+    // other numbers.
     const CODES: std::ops::RangeInclusive<i64> = 55..=99;
-    const NO_SUCH_TYPE: i64 = 86;
+    /// What is not built in, out of range, no type, or no factorisation.
+    const WRONG: [i64; 4] = [56, 63, 86, 92];
     let status = i64::from(status);
     if status == 0 {
         return Ok(());
     }
     let message = std::mem::take(&mut *MESSAGE.lock().unwrap_or_else(PoisonError::into_inner));
-    let help = match status {
-        status if status == *CODES.start() || !CODES.contains(&status) => {
-            return Err(LinearError::OutOfMemory { step });
-        }
-        NO_SUCH_TYPE => "correct the type in solver.petsc: PETSc's manual lists them",
-        _ => "correct solver.petsc, or leave it out",
+    if status == *CODES.start() || !CODES.contains(&status) {
+        return Err(LinearError::OutOfMemory { step });
+    }
+    let reason = format!("{} (status {status})", message.lines().next().unwrap_or("").trim());
+    let of_options = step == OPTIONS || WRONG.contains(&status);
+    let help = if of_options {
+        "correct solver.petsc: PETSc's manual lists types and values, and -help prints the options"
+    } else {
+        "take other options in solver.petsc, or none"
     };
-    let reason = message.lines().next().unwrap_or("").trim().to_string();
-    let reason = format!("{reason} (status {status})").trim_start().to_string();
-    Err(LinearError::Engine { engine: "PETSc", step, reason, help })
+    Err(LinearError::Engine { engine: "PETSc", step, reason, help, of_options })
 }

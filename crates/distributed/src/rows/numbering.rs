@@ -3,7 +3,7 @@
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::LinearError;
 
-use crate::petsc::{Int, int, partition};
+use crate::petsc::{Int, Matrix, int, partition};
 use crate::ranks::shim::{World, tell};
 
 /// The number of a node without displacements.
@@ -23,23 +23,23 @@ impl Numbering {
     /// # Errors
     /// If memory is short.
     pub(crate) fn new(world: &World, body: &dyn NodeRows) -> Result<Self, LinearError> {
-        let mut numbers = vec![NONE; body.nodes()];
         let has_displacements = |node: &usize| body.places(*node).iter().any(Option::is_some);
         let nodes: Vec<usize> = (0..body.nodes()).filter(has_displacements).collect();
-        nodes.iter().zip(0..).for_each(|(node, number)| numbers[*node] = number);
+        let mut first = Numbering { numbers: vec![NONE; body.nodes()], bounds: Vec::new() };
+        nodes.iter().zip(0..).for_each(|(node, number)| first.numbers[*node] = number);
         let mut part = vec![0; nodes.len()];
         if world.size() > 1 {
-            let (starts, columns) =
-                if world.rank() == 0 { graph(body, &numbers, nodes.len())? } else { Default::default() };
-            part = partition(&starts, &columns)?;
+            let own = if world.rank() == 0 { 0..nodes.len() } else { 0..0 };
+            let (starts, columns) = first.neighbours(body, own.clone())?;
+            part = partition(&Matrix::of_rows(1, &starts, &columns, &vec![0.0; columns.len()])?, own.len())?;
         }
         // Rank 0 has the parts, and tells the numbers.
         let mut words = vec![0; body.nodes() + world.size() + 1];
         if world.rank() == 0 {
             let mut order: Vec<usize> = (0..nodes.len()).collect();
             order.sort_by_key(|&k| part[k]);
-            order.iter().zip(0..).for_each(|(&k, number)| numbers[nodes[k]] = number);
-            words[..body.nodes()].copy_from_slice(&numbers);
+            order.iter().zip(0..).for_each(|(&k, number)| first.numbers[nodes[k]] = number);
+            words[..body.nodes()].copy_from_slice(&first.numbers);
             for (rank, word) in words[body.nodes()..].iter_mut().enumerate() {
                 *word = order.partition_point(|&k| part[k] < rank) as i64;
             }
@@ -60,28 +60,28 @@ impl Numbering {
         Some(self.bounds[1..].partition_point(|end| *end <= number))
     }
 
-    /// Returns the number of nodes that have displacements.
-    pub(crate) fn count(&self) -> usize {
-        self.bounds.last().copied().unwrap_or(0)
-    }
-}
-
-/// Returns the graph of the nodes, in which those of a cell are neighbours: the starts of its rows, and their columns.
-fn graph(body: &dyn NodeRows, numbers: &[i64], count: usize) -> Result<(Vec<Int>, Vec<Int>), LinearError> {
-    int(count)?;
-    let mut beside: Vec<Vec<Int>> = vec![Vec::new(); count];
-    body.each_cell(&mut |cell| {
-        let own = || cell.iter().map(|node| numbers[*node]).filter(|own| *own != NONE);
-        for number in own() {
-            beside[number as usize].extend(own().filter(|other| *other != number).map(|other| other as Int));
+    /// Returns the nodes that have a cell in common with each of these, and these themselves: the starts of the rows,
+    /// and the sorted numbers in them.
+    pub(super) fn neighbours(
+        &self,
+        body: &dyn NodeRows,
+        own: std::ops::Range<usize>,
+    ) -> Result<(Vec<Int>, Vec<Int>), LinearError> {
+        let mut beside: Vec<Vec<Int>> = vec![Vec::new(); own.len()];
+        body.each_cell(&mut |cell| {
+            let numbers = || cell.iter().filter_map(|node| self.number(*node));
+            for number in numbers().filter(|number| own.contains(number)) {
+                beside[number - own.start].extend(numbers().map(|other| other as Int));
+            }
+        });
+        let (mut starts, mut columns) = (vec![0], Vec::new());
+        for (number, mut row) in own.zip(beside) {
+            row.push(int(number)?);
+            row.sort_unstable();
+            row.dedup();
+            columns.extend(row);
+            starts.push(int(columns.len())?);
         }
-    });
-    let (mut starts, mut columns) = (vec![0], Vec::new());
-    for mut row in beside {
-        row.sort_unstable();
-        row.dedup();
-        columns.extend(row);
-        starts.push(int(columns.len())?);
+        Ok((starts, columns))
     }
-    Ok((starts, columns))
 }
