@@ -31,6 +31,7 @@ mod provenance;
 mod read;
 mod schema;
 mod syntax;
+mod values;
 
 use std::path::{Path, PathBuf};
 

@@ -41,14 +41,14 @@ use crate::base::units::{Scaling, UnitSystem};
 use crate::body::constraints::HeldRows;
 use crate::body::contact::{ContactNode, Row};
 use crate::body::description::Description;
-use crate::body::fem::{Elasticity, Element, InvertedElement, NodalForces, Plane, Spring};
+use crate::body::fem::{Elasticity, Element, InvertedElement, Plane, Spring};
 use crate::body::mesh::{Boundary, Mesh, MeshError, MeshFileError};
 use crate::solver::loading::{FrictionHistory, LoadCase, Loading, Motion};
 use crate::solver::problem::{ContactProblem, Parts, ProblemError};
 use balance::Statics;
 use contact::Contacts;
 use discrete::{Discrete, Elements};
-use load::FreeStrain;
+use load::NodalLoad;
 use motions::{Motions, Nearest};
 use surface::Surface;
 
@@ -154,7 +154,7 @@ fn loaded(
     discrete: &Discrete,
     rows: &HeldRows,
     contacts: &Contacts,
-) -> Result<(Loading, Vec<(NodalForces, Option<FreeStrain>)>, Nearest), ModelError> {
+) -> Result<(Loading, Vec<NodalLoad>, Nearest), ModelError> {
     let Discrete { constraints, beds, .. } = discrete;
     let Constraints { dofs, joints, .. } = constraints;
     let Contacts { nodes, obstacles, .. } = contacts;
@@ -247,7 +247,7 @@ impl Model {
         self.description.material.plane == Some(Plane::Stress)
     }
 
-    /// Returns the key of obstacle `k` of [`Model::obstacles`] in a scene, such as `contact[0].obstacle[1]`.
+    /// Returns the key of obstacle `k` of [`ContactGeometry::obstacles`] in a scene, such as `contact[0].obstacle[1]`.
     pub fn obstacle_key(&self, k: usize) -> String {
         let boundary = self.contact.boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));

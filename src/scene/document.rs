@@ -1,13 +1,14 @@
 //! The tables of a scene file as they are deserialised.
 
 use std::fmt;
-use std::marker::PhantomData;
 
 use schemars::JsonSchema;
-use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
-use serde::de::{IntoDeserializer, MapAccess, SeqAccess, Visitor};
+use serde::de::value::SeqAccessDeserializer;
+use serde::de::{SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, de};
 use serde_json::Value;
+
+pub(super) use super::values::{OneOrMany, Scalar, Tuple};
 
 use super::error::Source;
 use super::{SceneError, syntax};
@@ -19,128 +20,6 @@ use crate::body::fem::{Element, MaterialGroup, Plane};
 use crate::body::mesh::CellKind;
 use crate::solver::formulation::Partition;
 use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
-
-/// A list of `N` values, by default two.
-// A plain array would not do because the TOML reader ignores surplus values.
-#[derive(Clone, Copy, Deserialize, JsonSchema)]
-#[serde(try_from = "Vec<T>")]
-#[schemars(inline, with = "Vec<T>", extend("minItems" = N, "maxItems" = N))]
-pub(super) struct Tuple<T, const N: usize = 2>(pub [T; N]);
-
-impl<T: fmt::Debug, const N: usize> fmt::Debug for Tuple<T, N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
-impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
-    type Error = String;
-
-    fn try_from(values: Vec<T>) -> Result<Self, String> {
-        let count = values.len();
-        values.try_into().map(Tuple).map_err(|_| format!("invalid length {count}, expected {N} values"))
-    }
-}
-
-/// One value, or a list of several.
-#[derive(Clone, JsonSchema)]
-#[schemars(inline, untagged)]
-pub(super) enum OneOrMany<T> {
-    One(T),
-    Many(#[schemars(length(min = 1))] Vec<T>),
-}
-
-impl<T> OneOrMany<T> {
-    /// Returns the values as a list.
-    pub fn into_vec(self) -> Vec<T> {
-        match self {
-            OneOrMany::One(one) => vec![one],
-            OneOrMany::Many(all) => all,
-        }
-    }
-}
-
-impl<T: fmt::Debug> fmt::Debug for OneOrMany<T> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            OneOrMany::One(one) => one.fmt(f),
-            OneOrMany::Many(all) => all.fmt(f),
-        }
-    }
-}
-
-impl<'de, T: Deserialize<'de>> Deserialize<'de> for OneOrMany<T> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(OneOrManyVisitor(PhantomData))
-    }
-}
-
-/// Reads one value or a list with the errors of the values themselves, which an untagged enum would hide.
-struct OneOrManyVisitor<T>(PhantomData<T>);
-
-impl<'de, T: Deserialize<'de>> Visitor<'de> for OneOrManyVisitor<T> {
-    type Value = OneOrMany<T>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("one value or a list of them")
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<Self::Value, E> {
-        T::deserialize(value.into_deserializer()).map(OneOrMany::One)
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, map: A) -> Result<Self::Value, A::Error> {
-        T::deserialize(MapAccessDeserializer::new(map)).map(OneOrMany::One)
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
-        Vec::deserialize(SeqAccessDeserializer::new(values)).map(OneOrMany::Many)
-    }
-}
-
-/// A number, or a formula of x, y, z (m).
-#[derive(Clone, JsonSchema)]
-#[schemars(inline, untagged)]
-pub(super) enum Scalar {
-    Number(f64),
-    Text(String),
-}
-
-impl<'de> Deserialize<'de> for Scalar {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_any(ScalarVisitor)
-    }
-}
-
-struct ScalarVisitor;
-
-impl Visitor<'_> for ScalarVisitor {
-    type Value = Scalar;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a number or a formula in quotes, of x, y and z")
-    }
-
-    fn visit_i64<E: de::Error>(self, value: i64) -> Result<Scalar, E> {
-        Ok(Scalar::Number(value as f64))
-    }
-
-    fn visit_f64<E: de::Error>(self, value: f64) -> Result<Scalar, E> {
-        Ok(Scalar::Number(value))
-    }
-
-    fn visit_str<E: de::Error>(self, value: &str) -> Result<Scalar, E> {
-        Ok(Scalar::Text(value.to_string()))
-    }
-}
 
 /// An elastic body, its supports, obstacles and loads, and how to solve it. SI units, unless units says otherwise.
 #[derive(Deserialize, JsonSchema)]

@@ -326,7 +326,6 @@ mod tests {
                 assert!((area(&mesh, boundary) - area(&first, old)).abs() < 1e-12, "{}", boundary.name);
             }
             let shape = least_shape(&mesh);
-            println!("{round} {} cells, shape {:.3} of the first", mesh.cells.len(), shape / bound);
             assert!(shape > if first.dimension == 2 { 0.25 } else { 0.05 } * bound, "{shape} {bound}");
         }
     }

@@ -5,7 +5,7 @@ use std::ops::AddAssign;
 
 use super::Model;
 use super::constraints::Constraints;
-use super::load::FreeStrain;
+use super::load::{FreeStrain, NodalLoad};
 use super::support::PrescribedMotion;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::constraints::{Dofs, HeldRows};
@@ -125,7 +125,7 @@ impl Statics {
         rows: HeldRows,
         shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
         springs: Vec<Vec<Spring>>,
-        loads: Vec<(NodalForces, Option<FreeStrain>)>,
+        loads: Vec<NodalLoad>,
     ) -> Self {
         let Constraints { dofs, prescribed, groups, .. } = constraints;
         let all: Vec<Spring> = springs.iter().flatten().cloned().collect();
@@ -137,14 +137,14 @@ impl Statics {
             }
             sums.into_iter().collect()
         };
-        let acting = |(forces, free_strain): (NodalForces, Option<FreeStrain>)| {
+        let acting = |(forces, free_strain): NodalLoad| {
             let whole = forces.iter().map(|(node, force)| Wrench::on(mesh, dofs, *node, *force)).sum();
             let size = forces.iter().map(|(_, force)| norm(*force)).sum();
             UnitLoad { whole, size, at_nodes: at_nodes(&forces), free_strain }
         };
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
-        let of_loads = |(forces, _): &(NodalForces, _)| forces.iter().map(|(node, _)| *node).collect();
+        let of_loads = |(forces, _): &NodalLoad| forces.iter().map(|(node, _)| *node).collect();
         let mut nodes: [Vec<Vec<usize>>; 3] = [
             shares.iter().map(of_supports).collect(),
             springs.iter().map(of_springs).collect(),

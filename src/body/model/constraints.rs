@@ -8,6 +8,7 @@ use super::support::{PrescribedMotion, RigidGroups};
 use crate::algebra::vector::plus;
 use crate::base::input_error::InputError;
 use crate::body::constraints::{Dofs, RigidMotion, unresisted_motions};
+use crate::body::contact::ContactNode;
 use crate::body::description::Description;
 use crate::body::fem::Spring;
 use crate::body::mesh::Mesh;
@@ -69,6 +70,12 @@ impl Constraints {
             all.iter_mut().zip(&motion.deviation).for_each(|(u, deviation)| *u = plus(*u, factor, *deviation));
         }
         all
+    }
+
+    /// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
+    pub(super) fn move_past(&self, contact: &ContactNode) -> bool {
+        let along = |motion: &PrescribedMotion| motion.deviation_of(&self.dofs, &self.groups, contact);
+        self.prescribed.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
     }
 
     /// Returns the rigid offset of the bodies of a group by supports at time `t` (s), m.

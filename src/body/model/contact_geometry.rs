@@ -7,7 +7,6 @@ use super::contact::Contacts;
 use super::motions::{self, Nearest};
 use super::pair::Pair;
 use super::recovery::{self, Recovery};
-use super::support;
 use crate::body::contact::{ContactBoundary, ContactNode, ObstacleMotion, Passages, PlacedObstacle};
 use crate::body::mesh::Mesh;
 
@@ -45,7 +44,7 @@ impl ContactGeometry {
         pairs: Vec<Pair>,
     ) -> Self {
         let Contacts { nodes, boundaries, obstacles, .. } = contacts;
-        let past = |contact: &ContactNode| support::moves_past(constraints, contact);
+        let past = |contact: &ContactNode| constraints.move_past(contact);
         let mortars = pairs.iter().filter(|pair| !pair.shifted).map(|pair| (&pair.mortar, &pair.gaps[..]));
         ContactGeometry {
             recovery: Recovery::new(mesh, &nodes, &boundaries, &pairs),

@@ -26,6 +26,9 @@ pub(super) struct FreeStrain {
     pub of_volumes: Vec<f64>,
 }
 
+/// The effect of a load at factor 1: its forces and, for a thermal load, the stress-free strain.
+pub(super) type NodalLoad = (NodalForces, Option<FreeStrain>);
+
 /// Returns the given point of the axis of a rotation, or that of a body of revolution.
 fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vector, InputError> {
     let own = (mesh.geometry == Geometry::Axisymmetric).then(|| [0.0, 0.0].into());
@@ -34,12 +37,8 @@ fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vect
     })
 }
 
-/// Computes the effect of load `k` at factor 1: the forces and, for a thermal load, the stress-free strain.
-pub(super) fn load(
-    description: &Description,
-    discrete: &Discrete,
-    k: usize,
-) -> Result<(NodalForces, Option<FreeStrain>), InputError> {
+/// Computes the effect of load `k` at factor 1.
+pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> Result<NodalLoad, InputError> {
     let Discrete { mesh, elements, constraints: Constraints { dofs, couplings, .. }, .. } = discrete;
     let Elements { element, materials, volumes } = elements;
     let key = format!("load[{k}]");

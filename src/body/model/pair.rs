@@ -100,7 +100,7 @@ impl<'a> Untied<'a> {
         let sides = [first, &self::opposite(mesh, opposite, k)?];
         let joins = !sides.iter().any(|side| side.nodes().iter().all(is_fixed));
         let tied = if joins { idle } else { &idle.union(dependent_nodes).copied().collect() };
-        let supports = OfNodes { dofs, tied, moving, joins };
+        let supports = OfNodes { dofs, tied, joins, moving };
         pair(description, mesh, k, opposite, materials, (&supports, &|node| node), slaves)
     }
 
@@ -210,7 +210,7 @@ impl Pairs {
         let mut tied = couplings.rigid_bodies();
         tied.extend(periodic.filter(|node| with_ties.moving_alike(**node) == **node));
         for (k, opposite) in body.contacts(false) {
-            let supports = OfNodes { dofs, tied: &tied, moving, joins: false };
+            let supports = OfNodes { dofs, tied: &tied, joins: false, moving };
             let alike = |node: usize| with_ties.moving_alike(node);
             let mut pair = pair(description, mesh, k, opposite, materials, (&supports, &alike), &slaves)?;
             slaves.insert(pair.slave.clone());

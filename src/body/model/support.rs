@@ -7,7 +7,6 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use super::constraints::Constraints;
 use super::coupling::Couplings;
 use super::find;
 use super::holding::Holding;
@@ -153,13 +152,6 @@ impl PrescribedMotion {
     pub(super) fn factor(&self, t: f64) -> f64 {
         piecewise_linear(&self.history, t).unwrap_or(0.0)
     }
-}
-
-/// Returns `true` if supports move the nodes in the rows of a contact node along its tangents.
-pub(super) fn moves_past(constraints: &Constraints, contact: &ContactNode) -> bool {
-    let Constraints { prescribed, dofs, groups, .. } = constraints;
-    let along = |motion: &PrescribedMotion| motion.deviation_of(dofs, groups, contact);
-    prescribed.iter().map(along).any(|[_, t, o]| t != 0.0 || o != 0.0)
 }
 
 /// Returns the displacement (m) of `node` in its held directions with the components `values` along unit vectors;

@@ -33,7 +33,7 @@ fn a_cylinder_on_a_refined_mesh_is_within_a_percent() {
     let (report, nodes) = solved_scene(CYLINDER, &[]);
     let (force, work) = (report.largest_force.as_ref().unwrap().force[1].abs(), report.friction.unwrap().friction_work);
     println!("{nodes} nodes: error {:.3}, force {force:.5e} N/m, work {work:.4} J/m", error_of(&report));
-    assert!(nodes < 2500 && error_of(&report) < 0.055, "{nodes} {}", error_of(&report));
+    assert!(nodes < 4000 && error_of(&report) < 0.055, "{nodes} {}", error_of(&report));
     assert!((force / 7.5335e6 - 1.0).abs() < 0.01 && (work / 1.136 - 1.0).abs() < 0.01, "{force} {work}");
 }
 
@@ -87,7 +87,7 @@ fn tetrahedra_and_several_bodies_refine_themselves() {
 fn other_cells_and_errors_are_refused() {
     let scene = |overrides: &[&str]| Run::new(&parsed_with(&scene_text(CYLINDER), overrides)).unwrap_err();
     let RunError::Scene(error) = scene(&["mesh.cells=\"quadrilateral\""]) else { panic!() };
-    assert!(error.to_string().contains("mesh.refine"), "{error}");
+    assert!(error.to_string().contains("triangles or of tetrahedra refine themselves"), "{error}");
     let scene = Scene::parse("scene.toml", &scene_text(CYLINDER), &["mesh.refine=2".parse().unwrap()]);
     assert!(scene.unwrap_err().to_string().contains("mesh.refine"));
 }

@@ -242,6 +242,7 @@ fn reports() -> Vec<Value> {
         json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),
+        json_of(&small(), &["--set", "mesh.cells=\"triangle\"", "--set", "mesh.refine=0.1"]),
         json_of(&edit(&cube, "{ kind = \"plane\", gap = 1e-5 }", ON_A_BALL), &[]),
         json_of(&small(), &HALVED),
         json_of(&[&small(), "\n[[spring]]\nboundary = \"right\"\nnormal = 1e9\n"].concat(), &[]),
