@@ -383,7 +383,7 @@ fn every_fault_has_its_words() {
         ("2 1 0 2 2 2 3", "2 × 3 here"),
         ("2 1 0 2 2 2 2 1 0 0 1 -2 3", "the text ends before mu"),
         ("2 1 0 2 2 2 2 1 0 0 1 -2 3 nan", "found `nan`"),
-        ("2 1 0 2 2 2 2 1 0 0 1 -2 3 -0.5", "mu[0] is -0.5"),
+        ("2 1 0 2 2 2 2 1 0 0 1 -2 3 -0.5", "mu: entry 0 is -0.5"),
         ("2 1 0 3 3 3 3 1 0 0 0 1 0 0 0 1 -2 3 0.5", "the matrix W is 3 × 3, but must be 2 × 2"),
         ("2 4000000000 0 18446744073709551615 4 18446744073709551615 4 1", "the text ends before"),
         ("2 1 1 2 2 1 1 1 5 2", "the blocks do not have the 2 rows"),
