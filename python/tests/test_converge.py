@@ -42,7 +42,7 @@ def test_numbers_are_si() -> None:
 @pytest.mark.parametrize(
     "options, said",
     [
-        ({"quantity": "pressure"}, "quantity: the quantities are peak, force"),
+        ({"quantity": "pressure"}, "quantity: `pressure` is none of peak, force"),
         ({"quantity": None}, "quantity: None"),
         ({"to": 2}, "to: 2"), ({"to": "a"}, "to: 'a'"), ({"to": True}, "to: True"), ({"ratio": 1.1}, "ratio: 1.1"),
         ({"max_runs": 2}, "max_runs: 2"), ({"within": 0}, "within: 0"), ({"within": float("nan")}, "within: nan"),

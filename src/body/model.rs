@@ -247,7 +247,7 @@ impl Model {
         self.description.material.plane == Some(Plane::Stress)
     }
 
-    /// Returns the key of obstacle `k` of [`ContactGeometry::obstacles`] in a scene, such as `contact[0].obstacle[1]`.
+    /// Returns the key of obstacle `k` of `contact.obstacles` in a scene, such as `contact[0].obstacle[1]`.
     pub fn obstacle_key(&self, k: usize) -> String {
         let boundary = self.contact.boundaries.iter().find(|boundary| boundary.obstacles.contains(&k));
         let (contact, first) = boundary.map_or((0, 0), |boundary| (boundary.contact, boundary.obstacles.start));

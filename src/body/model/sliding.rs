@@ -23,7 +23,7 @@ const PARTS: f64 = 1.01;
 const DEPENDENT: f64 = 1e-9;
 
 impl Model {
-    /// Returns the rigid motion with these weights, of [`Constraints::rigid_motions`](super::Constraints::rigid_motions), without its components along the normals of the
+    /// Returns the rigid motion with these weights, of `constraints.rigid_motions`, without its components along the normals of the
     /// contact nodes for which `is_closed` is `true` and that do not part by more than the friction angle; if it has no others,
     /// or the loads at time `t` (s) do not drive them, the motion itself. The proof that nothing balances the loads of a sliding
     /// body has a motion that also lifts it, by the friction angle; that of a body that tips is a rotation.
