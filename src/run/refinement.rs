@@ -48,12 +48,12 @@ pub(super) fn refined(scene: &Scene) -> Result<(Cow<'_, Scene>, Vec<CoarserMesh>
     let (mut refined, mut meshes) = (scene.clone(), Vec::new());
     refined.refine = None;
     let mut bisection: Option<Bisection> = None;
-    while meshes.len() < MAX_MESHES {
+    for _ in 0..MAX_MESHES {
         let run = Run::new(&refined)?;
         let mesh = Arc::clone(&run.model().mesh);
         let (error, squares) = errors(&run, scene)?;
         if error <= wanted {
-            break;
+            return Ok((Cow::Owned(refined), meshes));
         }
         meshes.push(CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error });
         if bisection.is_none() {
@@ -67,13 +67,10 @@ pub(super) fn refined(scene: &Scene) -> Result<(Cow<'_, Scene>, Vec<CoarserMesh>
         refined.description.mesh = MeshSource::Given(Arc::new(bisection.mesh()));
         // The run that is asked for tells the error of the last mesh.
         if error * expected_ratio(&mesh) <= wanted {
-            break;
+            return Ok((Cow::Owned(refined), meshes));
         }
     }
-    if meshes.len() == MAX_MESHES {
-        return Err(fault(&format!("an error of {} % is out of reach", 100.0 * wanted), "ask for a larger error"));
-    }
-    Ok((Cow::Owned(refined), meshes))
+    Err(fault(&format!("an error of {} % is out of reach", 100.0 * wanted), "ask for a larger error"))
 }
 
 /// Returns the ratio of the errors of a mesh and of the one before: cells of half the volume, where half of the squared

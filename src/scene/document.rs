@@ -53,7 +53,7 @@ pub(super) struct Document {
     /// Springs and elastic foundations.
     #[serde(default)]
     pub spring: Vec<Spring>,
-    /// What loads the body; loads add up.
+    /// The loads of the body, which add up.
     #[serde(default)]
     pub load: Vec<Load>,
     pub time: Time,
@@ -75,7 +75,7 @@ pub(super) struct Coupling {
     pub body: Option<String>,
     /// The place of the reference point, m; the centroid of boundary or body unless given.
     pub point: Option<Vector>,
-    /// Whether the nodes move with the point as a rigid body, or forces at the point are distributed over the boundary;
+    /// The kind: the nodes move with the point as a rigid body, or forces at the point are distributed over the boundary;
     /// rigid unless given.
     #[serde(default)]
     pub kind: CouplingKind,
@@ -91,7 +91,7 @@ pub(super) struct Support {
     pub point: Option<Vector>,
     /// The name of a coupling, in place of a boundary.
     pub coupling: Option<String>,
-    /// What is held: components, the outward normal of the boundary, or rotations of a coupling.
+    /// The directions that are held: components, the outward normal of the boundary, or rotations of a coupling.
     pub fix: Option<Vec<Fix>>,
     /// The one direction that is held, in place of fix.
     pub direction: Option<Vector>,
@@ -149,7 +149,7 @@ pub(super) struct ContactTable {
     pub friction: Option<Scalar>,
     /// Points [time (s), factor], factors of 0 or more, by which it is multiplied.
     pub friction_history: Option<Vec<Tuple<f64>>>,
-    /// What is in front of it; of several, each node meets the one that is nearest at first, and of those with one
+    /// The obstacles in front of it; of several, each node meets the one that is nearest at first, and of those with one
     /// normal the one that is nearest at the time.
     pub obstacle: Option<OneOrMany<Obstacle>>,
     /// The boundary of another body in front of it, or a list of boundaries, in place of an obstacle.
@@ -239,7 +239,7 @@ pub(super) struct Obstacle {
     pub scale: Option<f64>,
     /// Gaps along one normal, unless given, or from each node to the nearest point.
     pub direction: Option<GapDirection>,
-    /// How far it has moved against the normal: points [time (s), distance (m)].
+    /// The distance that it has moved against the normal: points [time (s), distance (m)].
     pub approach: Option<Vec<Tuple<f64>>>,
     pub motion: Option<Motion>,
     /// Direction out of the body towards the obstacle; the boundary's mean outward normal unless given.
@@ -248,17 +248,17 @@ pub(super) struct Obstacle {
     pub tangent: Option<Vector>,
 }
 
-/// How an obstacle moves, as a rigid body.
+/// The motion of an obstacle, as a rigid body.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "motion")]
 pub(super) struct Motion {
-    /// How far it has moved: points [time, x, y] or [time, x, y, z], s and m.
+    /// The translation: points [time, x, y] or [time, x, y, z], s and m.
     #[schemars(inner(length(min = 3, max = 4)))]
     pub translation: Option<Vec<Vec<f64>>>,
     pub rotation: Option<Rotation>,
 }
 
-/// How it turns about an axis.
+/// The rotation about an axis.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "rotation")]
 pub(super) struct Rotation {
@@ -270,7 +270,7 @@ pub(super) struct Rotation {
     pub history: Vec<Tuple<f64>>,
 }
 
-/// What loads the body, one of traction, pressure, force, moment, acceleration, rotation and temperature, times a
+/// A load of the body, one of traction, pressure, force, moment, acceleration, rotation and temperature, times a
 /// factor that changes in time.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "load")]
@@ -325,7 +325,7 @@ pub(super) struct Time {
     pub increments: i64,
 }
 
-/// How to solve.
+/// The solver.
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(default, deny_unknown_fields, rename = "solver")]
 pub(super) struct SolverTable {
@@ -348,7 +348,7 @@ pub(super) struct SolverTable {
     /// The most iterations an increment may take. 200 unless given.
     #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
     pub max_iterations: Option<i64>,
-    /// What every component of the error measure must reach. 1e-10 unless given; ip, paper: 1e-6.
+    /// The bound that every component of the error measure must reach. 1e-10 unless given; ip, paper: 1e-6.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub tolerance: Option<f64>,
 }
@@ -506,7 +506,7 @@ pub(super) struct Material {
     pub group: Vec<MaterialGroup>,
 }
 
-/// What to write.
+/// The output.
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(default, deny_unknown_fields, rename = "output")]
 pub(super) struct Output {
@@ -517,11 +517,11 @@ pub(super) struct Output {
     /// Every so many increments, and the last, are written besides.
     #[schemars(extend("minimum" = 1))]
     pub every: Option<i64>,
-    /// Whether the fields of the body are written for the same times.
+    /// true if the fields of the body are written for the same times.
     pub fields: bool,
-    /// Whether pictures of the deformed body are drawn for the same times.
+    /// true if pictures of the deformed body are drawn for the same times.
     pub deformed: bool,
-    /// How many times as long displacements are drawn there; chosen unless given.
+    /// The magnification of displacements there; chosen unless given.
     #[schemars(extend("minimum" = 0))]
     pub magnification: Option<f64>,
     /// The load cycle whose slip, friction work and stresses are written: the times of its beginning and its end, s, or
@@ -539,7 +539,7 @@ pub(super) struct Output {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "probe")]
 pub(super) struct Probe {
-    /// What its file is called by.
+    /// The name of its file.
     pub name: String,
     /// The point, m.
     pub point: Option<Vector>,
@@ -547,7 +547,7 @@ pub(super) struct Probe {
     pub from: Option<Vector>,
     /// The last point of a line, m.
     pub to: Option<Vector>,
-    /// How many points are on the line, its ends included.
+    /// The number of points on the line, its ends included.
     #[schemars(extend("minimum" = 2, "maximum" = 10_000))]
     pub points: Option<i64>,
 }

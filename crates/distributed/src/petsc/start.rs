@@ -52,7 +52,7 @@ pub(crate) fn set(name: &CStr, value: usize) -> Result<(), LinearError> {
 
 /// Returns an error unless PETSc has asked for each of these `options`.
 pub(crate) fn check_options(options: &str) -> Result<(), LinearError> {
-    /// What PETSc asks for at its start and its end.
+    /// The requests of PETSc at its start and its end.
     const LATER: [&str; 5] = ["help", "info", "log_", "malloc_", "options_"];
     let (all, mut many, mut names, mut values) = (ptr::null_mut(), 0, ptr::null_mut(), ptr::null_mut());
     let unused: Vec<String>;
@@ -118,7 +118,7 @@ pub(super) fn check(step: &'static str, status: sys::PetscErrorCode) -> Result<(
     // The codes of PETSc; the first is that of refused memory. Where the system refuses memory, PETSc 3.18 returns
     // other numbers.
     const CODES: std::ops::RangeInclusive<i64> = 55..=99;
-    /// What is not built in, out of range, no type, or no factorisation.
+    /// The errors of values: not built in, out of range, no type, or no factorisation.
     const WRONG: [i64; 4] = [56, 63, 86, 92];
     let status = i64::from(status);
     if status == 0 {
