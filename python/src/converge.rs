@@ -79,7 +79,7 @@ pub(crate) fn converge(
     let message = study.outcome();
     // Python has SI numbers; words and pictures have the units of the scene.
     study.last.units.units = Units::default();
-    let mut told = study.told();
-    told["message"] = message.into();
-    Ok((told.to_string(), chart))
+    let mut json = study.to_json();
+    json["message"] = message.into();
+    Ok((json.to_string(), chart))
 }

@@ -204,7 +204,7 @@ impl Observer for Recorder {
         )
     }
 
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         if let Some(saver) = &mut self.saver
             && (self.ends_saved || saver.is_due())
             && let Err(message) = saver.save(here, &self.kept)

@@ -182,8 +182,8 @@ impl Observer for ReportCollector<'_, '_> {
         flow
     }
 
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         let watches = &self.watches;
-        self.sink.observer().rest(&|| here().with(watches));
+        self.sink.observer().checkpoint_offered(&|| here().with(watches));
     }
 }

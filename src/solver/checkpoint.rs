@@ -21,7 +21,7 @@ const MAGIC: &[u8] = b"stickslip checkpoint 2\n";
 /// struct Keep(Vec<u8>);
 ///
 /// impl Observer for Keep {
-///     fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+///     fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
 ///         let checkpoint = here();
 ///         if checkpoint.increments() == 2 {
 ///             self.0 = checkpoint.to_bytes().unwrap_or_default();

@@ -37,7 +37,7 @@ fn rates(outcome: &HistoryOutcome) -> usize {
 struct Kept(Vec<Vec<u8>>);
 
 impl Observer for Kept {
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         self.0.push(here().to_bytes().unwrap());
     }
 }

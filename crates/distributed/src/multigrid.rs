@@ -87,7 +87,7 @@ struct Cycle {
     rate: Option<f64>,
     worn: bool,
     /// `true` if the present matrix is not its own.
-    lent: bool,
+    reused: bool,
 }
 
 impl Cycle {
@@ -99,7 +99,7 @@ impl Cycle {
     /// Returns the iteration limit for a reused cycle, beyond which a new one is cheaper.
     fn patience(&self, tolerance: f64) -> usize {
         let digits = (-tolerance.log10()).max(1.0);
-        let rate = self.rate.filter(|_| self.lent);
+        let rate = self.rate.filter(|_| self.reused);
         rate.map_or(MAX_ITERATIONS, |rate| ((rate * digits + SET_UP).ceil() as usize).min(MAX_ITERATIONS))
     }
 
@@ -153,14 +153,14 @@ impl Multigrid {
         let (fresh, cycle) = (serving.is_none(), serving.as_ref().map_or(*all_held, |cycle| cycle.all_held));
         *all_held = cycle;
         match serving {
-            Some(serving) => serving.lent = true,
+            Some(serving) => serving.reused = true,
             None => self.cycles.retain(|other| other.all_held != cycle),
         }
         let by = By::Options { cycle: cycle.into(), fresh, unsymmetric };
         let info = factorize(remote, Change { factor, by }, Values { stiffness, rest, contact: Some(contact) })?;
         if fresh {
             let held = nodes.iter().map(|node| node.held).collect();
-            self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, lent: false });
+            self.cycles.push(Cycle { held, all_held: cycle, rate: None, worn: false, reused: false });
         }
         Ok(info)
     }
@@ -176,7 +176,7 @@ impl Multigrid {
         let Some((_, _, all_held)) = present else { return Err(crate::NOT_FACTORIZED) };
         let cycle = self.cycles.iter_mut().find(|cycle| cycle.all_held == *all_held).ok_or(crate::NOT_FACTORIZED)?;
         let limit = cycle.patience(tolerance);
-        let limit = (self.options.is_none() || cycle.lent).then_some(limit);
+        let limit = (self.options.is_none() || cycle.reused).then_some(limit);
         let found = solve(remote, tolerance, limit, b, x)?;
         self.iterated.iterations += found.iterations;
         cycle.took(found.iterations, if found.reason > 0 { tolerance } else { 0.1 });
@@ -184,7 +184,7 @@ impl Multigrid {
             ranks::check_options(options)?;
             self.is_checked = true;
         }
-        Ok((found, cycle.lent))
+        Ok((found, cycle.reused))
     }
 }
 
@@ -261,8 +261,8 @@ impl LinearSolver for Multigrid {
     fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
         let is_tight = self.grid.dimension == 2 || tolerance < LAST;
         let tolerance = if is_tight { tolerance.min(TIGHT) } else { tolerance };
-        let (mut found, lent) = self.iterate(b, x, tolerance)?;
-        if found.reason <= 0 && lent {
+        let (mut found, reused) = self.iterate(b, x, tolerance)?;
+        if found.reason <= 0 && reused {
             // The reused cycle converges too slowly; make a new one for this matrix.
             self.cycles.clear();
             self.prepare(None, [&[], &[]])?;

@@ -206,11 +206,11 @@ impl Matrix {
             call!(STEP, MatGetRow(self.0, row, &raw mut many, &raw mut columns, &raw mut values))?;
             if many > 0 {
                 // SAFETY: PETSc lends arrays of this length until they are given back below.
-                let lent = unsafe {
+                let (columns, values) = unsafe {
                     let many = many as usize;
                     (std::slice::from_raw_parts(columns, many), std::slice::from_raw_parts(values, many))
                 };
-                take(row, lent.0, lent.1);
+                take(row, columns, values);
             }
             call!(STEP, MatRestoreRow(self.0, row, &raw mut many, &raw mut columns, &raw mut values))?;
         }

@@ -94,9 +94,9 @@ pub fn start() -> Result<(usize, usize), LinearError> {
 pub fn agree(number: u64) -> Result<bool, LinearError> {
     let mut state = state();
     state.running()?;
-    let mut told = [number as i64];
-    shim::tell(&mut told);
-    Ok(told == [number as i64])
+    let mut agreed = [number as i64];
+    shim::broadcast(&mut agreed);
+    Ok(agreed == [number as i64])
 }
 
 /// Runs the worker loop of a rank other than 0, until rank 0 ends MPI. The `body` must be that of rank 0; without one
@@ -112,7 +112,7 @@ pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
         return Ok(());
     }
     loop {
-        let (number, job) = shim::tell_all(None)?;
+        let (number, job) = shim::broadcast_job(None)?;
         let body = match job {
             Job::End => break,
             Job::Rows => body(),
@@ -136,7 +136,7 @@ pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
 pub(crate) fn run(number: i64, job: Job, own: Own<'_>) -> Result<Vec<f64>, LinearError> {
     let mut state = state();
     let (world, objects) = state.running()?;
-    let (number, job) = shim::tell_all(Some((number, job)))?;
+    let (number, job) = shim::broadcast_job(Some((number, job)))?;
     let result = objects.perform(world, number, job, own);
     state.after(result)
 }
@@ -145,8 +145,8 @@ pub(crate) fn run(number: i64, job: Job, own: Own<'_>) -> Result<Vec<f64>, Linea
 pub fn end() {
     let mut state = state();
     if let State::Running(..) = &*state {
-        // A job without data can be told.
-        let _ = shim::tell_all(Some((0, Job::End)));
+        // A job without data can be reply.
+        let _ = shim::broadcast_job(Some((0, Job::End)));
         state.finish();
     }
 }
@@ -156,9 +156,9 @@ pub(crate) fn used() -> Vec<RankUse> {
     if count() == 1 {
         return Vec::new();
     }
-    let told = run(0, Job::Use, Own::default()).unwrap_or_default();
+    let reply = run(0, Job::Use, Own::default()).unwrap_or_default();
     let of = |[cpu_seconds, bytes]: &[f64; 2]| RankUse { cpu_seconds: *cpu_seconds, peak_rss_bytes: *bytes as u64 };
-    told.as_chunks().0.iter().map(of).collect()
+    reply.as_chunks().0.iter().map(of).collect()
 }
 
 /// Returns the number of ranks; 1 unless MPI runs.

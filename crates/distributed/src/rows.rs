@@ -10,7 +10,7 @@ use stickslip::algebra::{DoubleDouble, NodeRows};
 use crate::exchange::Exchange;
 use crate::job::Product;
 use crate::petsc::{Int, Matrix, Scatter, Vector, int};
-use crate::ranks::shim::{World, tell};
+use crate::ranks::shim::{World, broadcast};
 pub(crate) use numbering::Numbering;
 
 /// The rows of one rank, in blocks of a node. In a direction that supports have removed from a node they have the
@@ -33,9 +33,9 @@ impl Rows {
     /// Assembles the rows of this rank from its own `body`. Returns `None` on all ranks if one cannot assemble its
     /// rows, or has another body than rank 0.
     pub(crate) fn assembled(world: &World, body: Option<&dyn NodeRows>) -> Result<Option<Self>, LinearError> {
-        let mut told = body.map_or([0; 4], head);
-        tell(&mut told);
-        let body = body.filter(|body| head(*body) == told);
+        let mut agreed = body.map_or([0; 4], head);
+        broadcast(&mut agreed);
+        let body = body.filter(|body| head(*body) == agreed);
         let (true, Some(body)) = (world.all(body.is_some()), body) else { return Ok(None) };
         let numbering = Numbering::new(world, body)?;
         let d = body.dimension();

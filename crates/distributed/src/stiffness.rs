@@ -55,8 +55,8 @@ impl SharedStiffness {
             }
         }
         let [mut diagonal, mut row_norms] = [(); 2].map(|()| vec![0.0; body.order()]);
-        let told = rows.run(Job::Norms, Own { y: [&mut diagonal, &mut row_norms], ..Own::default() })?;
-        let entries = told.iter().sum::<f64>() as usize;
+        let reply = rows.run(Job::Norms, Own { y: [&mut diagonal, &mut row_norms], ..Own::default() })?;
+        let entries = reply.iter().sum::<f64>() as usize;
         let Some(Ok(near)) = body.rows(near).map(|rows| columns(&rows, body, near)) else { return Ok(None) };
         Ok(Some(SharedStiffness(Arc::new(Inner {
             rows,
@@ -139,14 +139,14 @@ impl Distributed for SharedStiffness {
     }
 
     fn gathered(&self) -> Result<Symmetric, LinearError> {
-        let told = self.0.rows.run(Job::Lower, Own::default())?;
+        let reply = self.0.rows.run(Job::Lower, Own::default())?;
         let dof = &self.0.displacements;
         let entry = |[row, column, value]: &[f64; 3]| {
             let (row, column) = (dof[*row as usize], dof[*column as usize]);
             // Directions that supports have removed are no displacements.
             (row.max(column) < self.order()).then_some((row.max(column), row.min(column), *value))
         };
-        let entries: Vec<_> = told.as_chunks().0.iter().filter_map(entry).collect();
+        let entries: Vec<_> = reply.as_chunks().0.iter().filter_map(entry).collect();
         Symmetric::from_triplets(self.order(), &entries).map_err(|_| LinearError::NotFinite)
     }
 }

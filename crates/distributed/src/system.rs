@@ -240,7 +240,7 @@ impl System {
                 petsc::set(c"-factors_mat_mumps_icntl_14", room)?;
                 Krylov::new(c"factors_", matrix, None)?
             };
-            let ([status, peak, entries], [flops, least, largest]) = made.told()?;
+            let ([status, peak, entries], [flops, least, largest]) = made.factor_info()?;
             self.is_factored = status >= 0;
             if !matches!(status, -8 | -9 | -11 | -14 | -15 | -17 | -20) {
                 // Large counts are told in millions.
@@ -277,11 +277,11 @@ impl System {
 ///
 /// # Errors
 /// If MUMPS failed.
-fn info(told: &[f64]) -> Result<FactorInfo, LinearError> {
+fn info(reply: &[f64]) -> Result<FactorInfo, LinearError> {
     /// The status of a zero pivot.
     const SINGULAR: Int = -10;
     const STEP: &str = "the factorisation";
-    let &[status, entries, flops, pivot_ratio, peak_bytes] = told else { return Err(crate::NOT_FACTORIZED) };
+    let &[status, entries, flops, pivot_ratio, peak_bytes] = reply else { return Err(crate::NOT_FACTORIZED) };
     match status as Int {
         // Positive statuses are warnings.
         0.. => Ok(FactorInfo { entries: entries as usize, flops, pivot_ratio, peak_bytes }),
@@ -307,7 +307,7 @@ pub(crate) fn solve(
     x: &mut [f64],
 ) -> Result<Found, LinearError> {
     let own = Own { x: [b, &[]], y: [x, &mut []], ..Own::default() };
-    let told = system.run(Job::Solve { tolerance, limit }, own)?;
-    let &[iterations, reason] = &told[..] else { return Err(crate::NOT_FACTORIZED) };
+    let reply = system.run(Job::Solve { tolerance, limit }, own)?;
+    let &[iterations, reason] = &reply[..] else { return Err(crate::NOT_FACTORIZED) };
     Ok(Found { iterations: iterations as usize, reason: reason as i32 })
 }

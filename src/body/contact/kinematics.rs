@@ -143,9 +143,9 @@ pub struct ContactBoundary {
 }
 
 impl ContactBoundary {
-    /// Returns the contact nodes of the boundary and the part of each node's force that acts on this boundary: 1, or
+    /// Returns the contact nodes of the boundary and the share of each node's force that acts on this boundary: 1, or
     /// the share of the boundary in a node of several boundaries.
-    pub fn parts<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
+    pub fn shares<'a>(&'a self, contacts: &'a [ContactNode]) -> impl Iterator<Item = (usize, f64)> + Clone + 'a {
         self.nodes.iter().zip(&self.weights).map(|(&i, weight)| (i, weight / contacts[i].weight))
     }
 }

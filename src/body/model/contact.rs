@@ -184,7 +184,7 @@ impl Contacts {
         let case = |(boundary, own): (&ContactBoundary, &Vec<f64>)| {
             let contact = &contacts[boundary.contact];
             let mut mu = vec![0.0; self.nodes.len()];
-            boundary.parts(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
+            boundary.shares(&self.nodes).zip(own).for_each(|((i, part), own)| mu[i] = part * own);
             let history = contact.friction_history.as_ref().map(|points| within(description.end(), points));
             (mu, history.unwrap_or_default())
         };

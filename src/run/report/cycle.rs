@@ -228,7 +228,7 @@ impl CycleWatch {
         CycleOfBoundary {
             boundary: boundary.name.clone(),
             regime: self.regime(model, b),
-            friction_work: boundary.parts(&model.contact.nodes).map(|(i, part)| part * self.nodes[i].work).sum(),
+            friction_work: boundary.shares(&model.contact.nodes).map(|(i, part)| part * self.nodes[i].work).sum(),
             slip_range: largest(NodeWatch::slip_range),
             slip_net: largest(NodeWatch::slip_net),
         }

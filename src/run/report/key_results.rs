@@ -115,7 +115,7 @@ impl Moment {
             State { p_n: of(0), p_t: of(1), p_o: of(2), ..State::default() }
         };
         let units = [0, 1, 2].map(unit);
-        for (i, part) in model.contact.boundaries.get(self.boundary)?.parts(&model.contact.nodes) {
+        for (i, part) in model.contact.boundaries.get(self.boundary)?.shares(&model.contact.nodes) {
             let [n, t, o] = units.each_ref().map(|state| {
                 if self.tangential {
                     let [t, o] = model.contact.nodes[i].in_frame([state.p_t[i], state.p_o[i]]);

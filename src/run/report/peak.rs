@@ -89,7 +89,7 @@ impl Peak {
         if let (pressure, Some(at)) = largest
             && is_as_large(pressure, so_far)
         {
-            let parts = model.contact.boundaries[at[0]].parts(&model.contact.nodes).filter(|(i, _)| is_closed(i));
+            let parts = model.contact.boundaries[at[0]].shares(&model.contact.nodes).filter(|(i, _)| is_closed(i));
             let [force, area] = parts.fold([0.0; 2], |[force, area], (i, share)| {
                 [force + share * state.p_n[i], area + share * model.contact.nodes[i].weight]
             });

@@ -91,7 +91,7 @@ impl Resultant {
     }
 
     fn of(model: &Model, t: f64, state: &State, boundary: &ContactBoundary) -> Self {
-        let (force, moment, sums) = total(model, state, boundary.parts(&model.contact.nodes));
+        let (force, moment, sums) = total(model, state, boundary.shares(&model.contact.nodes));
         let name = boundary.name.clone();
         let obstacles = OnObstacle::all(model, t, state, boundary);
         Resultant { boundary: name, force, moment, sums, obstacles, opposite: OfOpposite::of(model, state, boundary) }
@@ -101,7 +101,7 @@ impl Resultant {
 impl OfOpposite {
     fn of(model: &Model, state: &State, boundary: &ContactBoundary) -> Option<Self> {
         let name = model.contact.pairs[boundary.pair?].master.name.clone();
-        let (force, moment) = wrench(model, state, boundary.parts(&model.contact.nodes), true);
+        let (force, moment) = wrench(model, state, boundary.shares(&model.contact.nodes), true);
         Some(OfOpposite { boundary: name, force, moment })
     }
 }
@@ -116,7 +116,7 @@ impl OnObstacle {
         let assigned_to = |i: usize| model.assigned(i, t).map(|(k, _)| k);
         let assigned = boundary.nodes.iter().filter_map(|&i| assigned_to(i));
         let on = |k: usize| {
-            let parts = boundary.parts(&model.contact.nodes).filter(|(i, _)| assigned_to(*i) == Some(k));
+            let parts = boundary.shares(&model.contact.nodes).filter(|(i, _)| assigned_to(*i) == Some(k));
             let (force, moment, sums) = total(model, state, parts);
             OnObstacle { obstacle: model.obstacle_key(k), force, moment, sums }
         };

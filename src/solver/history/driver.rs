@@ -265,7 +265,7 @@ impl<'a> HistoryDriver<'a> {
                 outcome.status = Status::Interrupted;
                 return Ok(None);
             }
-            observer.rest(&|| outcome.checkpoint(&driver, &times[..index], linear));
+            observer.checkpoint_offered(&|| outcome.checkpoint(&driver, &times[..index], linear));
         }
         Ok(None)
     }

@@ -182,7 +182,7 @@ impl ExactHistory<'_> {
             let ExactHistory { outcome, path, scales, times, settings, .. } = self;
             let run = || RunOf::new(problem, loading, &times[..=k], settings);
             let here = || SavedPath::checkpoint(run(), outcome, path, scales.clone());
-            self.observer.rest(&here);
+            self.observer.checkpoint_offered(&here);
         }
         Ok(())
     }

@@ -267,7 +267,7 @@ pub trait Observer {
 
     /// Called between two increments and after the last, where the history can be resumed. `here` makes the
     /// checkpoint, which costs a copy of the state.
-    fn rest(&mut self, _here: &dyn Fn() -> Checkpoint) {}
+    fn checkpoint_offered(&mut self, _here: &dyn Fn() -> Checkpoint) {}
 }
 
 /// An observer that does nothing.

@@ -8,7 +8,7 @@ use stickslip::run::report::{CycleNode, SlipRegime};
 struct At(usize, Option<Vec<u8>>);
 
 impl Observer for At {
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         let checkpoint = here();
         if checkpoint.increments() == self.0 {
             self.1 = Some(checkpoint.to_bytes().unwrap());

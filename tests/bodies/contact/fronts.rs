@@ -140,7 +140,7 @@ fn boundaries_that_share_nodes_are_one_contact() {
     assert!((x - of_x).abs() < 1e-6 * of_y.abs() && (y - of_y).abs() < 1e-9 * of_y.abs());
     let [one, two] = &model.contact.boundaries[..] else { panic!() };
     assert_eq!((one.nodes.len(), two.nodes.len(), one.nodes[3], two.nodes[0]), (4, 6, 3, 3));
-    assert_eq!(one.parts(&model.contact.nodes).map(|(_, part)| part).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 0.5]);
+    assert_eq!(one.shares(&model.contact.nodes).map(|(_, part)| part).collect::<Vec<_>>(), [1.0, 1.0, 1.0, 0.5]);
 
     let (solved, _) =
         solved(&pushed(source).contact("one", 0.2, Obstacle::plane(0.0)).contact("two", 0.4, Obstacle::plane(0.0)));

@@ -16,7 +16,7 @@ impl Observer for All {
         ControlFlow::Continue(())
     }
 
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         self.checkpoints.push(here().to_bytes().unwrap());
     }
 }

@@ -83,7 +83,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
             },
         )?;
     bar.finish_and_clear();
-    let json = pretty(&study.told())?;
+    let json = pretty(&study.to_json())?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
     let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);

@@ -62,7 +62,7 @@ impl Convergence {
     }
 
     /// Returns the study as one JSON object, in the units of the scene.
-    pub fn told(&self) -> Value {
+    pub fn to_json(&self) -> Value {
         let units = &self.last.units;
         let quantity = self.sought.quantity();
         let value = |x: f64| units.of_si(quantity, x);

@@ -130,7 +130,7 @@ impl Ended {
     }
 
     /// Returns the error message without its line breaks.
-    pub fn told(&self) -> String {
+    pub fn message(&self) -> String {
         self.error.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ")
     }
 }

@@ -93,7 +93,7 @@ fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
     ] {
         let ended = Job::start(2, arguments).end();
         assert_eq!(ended.status, Some(2), "{arguments:?}: {}", ended.error);
-        assert_eq!(ended.told().matches(words).count(), 1, "{arguments:?}: {}", ended.error);
+        assert_eq!(ended.message().matches(words).count(), 1, "{arguments:?}: {}", ended.error);
     }
     let ended = Job::start(2, &["check", &cube]).end();
     assert_eq!(ended.status, Some(0), "{}", ended.error);
@@ -240,9 +240,9 @@ fn memory_that_one_rank_is_refused_is_told() {
             let ended = Job::start_in(folder, 2, &program, &arguments).end();
             match ended.status {
                 Some(3) => {
-                    let told = ended.told();
-                    assert!(told.contains("out of memory"), "{solver} {kilobytes}: {told}");
-                    steps.push(told.split("out of memory").nth(1).unwrap()[..12].to_string());
+                    let message = ended.message();
+                    assert!(message.contains("out of memory"), "{solver} {kilobytes}: {message}");
+                    steps.push(message.split("out of memory").nth(1).unwrap()[..12].to_string());
                 }
                 status => assert_eq!(status, Some(0), "{solver} {kilobytes}: {}", ended.error),
             }

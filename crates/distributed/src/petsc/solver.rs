@@ -109,7 +109,7 @@ impl Krylov {
     }
 
     /// Returns MUMPS's `INFOG` of 1, 22 and 29, and its `RINFOG` of 3, 19 and 21.
-    pub(crate) fn told(&self) -> Result<([Int; 3], [f64; 3]), LinearError> {
+    pub(crate) fn factor_info(&self) -> Result<([Int; 3], [f64; 3]), LinearError> {
         const STEP: &str = "the factorisation";
         let (mut pc, mut factor, mut counts, mut numbers) = (ptr::null_mut(), ptr::null_mut(), [0; 3], [0.0; 3]);
         call!(STEP, KSPGetPC(self.0.0, &raw mut pc))?;

@@ -25,19 +25,19 @@ pub(crate) struct World {
 }
 
 /// Broadcasts the `words` of rank 0. MPI must run, and all ranks must have the same number of words.
-pub(crate) fn tell(words: &mut [i64]) {
+pub(crate) fn broadcast(words: &mut [i64]) {
     // SAFETY: MPI runs, and every rank has the same number of words.
     unsafe { sys::mpi_shim_hand_out(words.as_mut_ptr(), words.len() as c_int, NAP) };
 }
 
 /// Broadcasts a number and a job of rank 0.
-pub(crate) fn tell_all(own: Option<(i64, Job)>) -> Result<(i64, Job), LinearError> {
+pub(crate) fn broadcast_job(own: Option<(i64, Job)>) -> Result<(i64, Job), LinearError> {
     let text = own.and_then(|own| serde_json::to_string(&own).ok()).unwrap_or_default();
     let mut length = [text.len() as i64];
-    tell(&mut length);
+    broadcast(&mut length);
     let mut words: Vec<i64> = text.bytes().map(i64::from).collect();
     words.resize(length[0] as usize, 0);
-    tell(&mut words);
+    broadcast(&mut words);
     let bytes: Vec<u8> = words.into_iter().map(|word| word as u8).collect();
     serde_json::from_slice(&bytes).map_err(|_| LinearError::RankFailed)
 }
@@ -88,7 +88,7 @@ impl World {
     /// Returns `true` on all ranks if every rank has a `yes`.
     pub(crate) fn all(&self, yes: bool) -> bool {
         let mut all = [i64::from(!self.of_each([f64::from(yes)]).contains(&0.0))];
-        tell(&mut all);
+        broadcast(&mut all);
         all == [1]
     }
 }

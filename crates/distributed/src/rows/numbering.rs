@@ -4,7 +4,7 @@ use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::LinearError;
 
 use crate::petsc::{Int, Matrix, int, partition};
-use crate::ranks::shim::{World, tell};
+use crate::ranks::shim::{World, broadcast};
 
 /// The number of a node without displacements.
 const NONE: i64 = -1;
@@ -44,7 +44,7 @@ impl Numbering {
                 *word = order.partition_point(|&k| part[k] < rank) as i64;
             }
         }
-        tell(&mut words);
+        broadcast(&mut words);
         let bounds = words.split_off(body.nodes()).into_iter().map(|bound| bound as usize).collect();
         Ok(Numbering { numbers: words, bounds })
     }

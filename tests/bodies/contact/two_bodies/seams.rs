@@ -20,7 +20,7 @@ fn by_all(model: &Model, name: &str, most: usize, check: impl Fn(&Model, &sticks
 /// Pressures of 10 mPa everywhere and no friction.
 fn is_uniform(model: &Model, state: &stickslip::solver::State) {
     for boundary in &model.contact.boundaries {
-        for (i, _) in boundary.parts(&model.contact.nodes) {
+        for (i, _) in boundary.shares(&model.contact.nodes) {
             let [p, t] = [state.p_n[i], state.p_t[i].hypot(state.p_o[i])].map(|p| p / model.contact.nodes[i].weight);
             // A floor that is a million times as stiff gives way by a millionth.
             assert!((p / 0.01 - 1.0).abs() < 2e-6 && t < 1e-8, "{}: {p} {t}", boundary.name);

@@ -128,7 +128,7 @@ impl Observer for Watcher<'_> {
         self.flow()
     }
 
-    fn rest(&mut self, here: &dyn Fn() -> Checkpoint) {
+    fn checkpoint_offered(&mut self, here: &dyn Fn() -> Checkpoint) {
         if let (Some(folder), None) = (&mut self.folder, &self.failed_write)
             && self.pace.is_due()
         {
