@@ -48,7 +48,7 @@ pub use error::RunError;
 pub use grid::grid;
 pub use need::MemoryEstimate;
 pub use recording::{RecordedIncrement, Recording};
-pub use refinement::CoarserMesh;
+pub use refinement::{CoarserMesh, Refinement};
 
 use crate::base::memory::Budget;
 use crate::body::description::CycleRequest;
@@ -101,17 +101,22 @@ impl<'a> Run<'a> {
     /// # Errors
     /// As [`discretise`], and when memory is short for the choice.
     pub fn new(scene: &'a Scene) -> Result<Self, RunError> {
-        Run::prepared(scene, |_| ())
+        Run::prepared(scene, &mut |_| (), &mut ())
     }
 
     /// Prepares the run described by `scene`. `prepare` sees the model before the first factorisation, e.g. to set the
-    /// number of threads.
+    /// number of threads. If the mesh refines itself, it sees the coarser models, too, and `observer` sees the iterations on
+    /// them.
     ///
     /// # Errors
     /// As [`Run::new`].
-    pub fn prepared(scene: &'a Scene, prepare: impl FnOnce(&Model)) -> Result<Self, RunError> {
+    pub fn prepared(
+        scene: &'a Scene,
+        prepare: &mut dyn FnMut(&Model),
+        observer: &mut dyn Observer,
+    ) -> Result<Self, RunError> {
         let start = Instant::now();
-        let (model, coarser_meshes) = for_run(scene)?;
+        let (model, coarser_meshes) = for_run(scene, prepare, observer)?;
         prepare(&model);
         let run = Run::start(Some(scene), Cow::Owned(model), scene.time.all(), scene.solver, start)?;
         Ok(Run { coarser_meshes, ..run })

@@ -136,8 +136,8 @@ def converge(
     to : float, optional
         The largest relative uncertainty of a known quantity.
     meshes : iterable of int or str, optional
-        Meshes from coarse to fine: each its first number of elements, or a mesh file beside the scene. Without them a quarter, half and
-        all of the elements of the scene along each axis, and so on.
+        Meshes from coarse to fine: each its first number of elements, or a mesh file beside the scene. Without them triangles and
+        tetrahedra refine themselves, and others have a quarter, half and all of the elements of the scene along each axis, and so on.
     ratio : float, optional
         The factor of the elements along each axis from mesh to mesh, 1.2 to 4.
     max_runs : int, optional

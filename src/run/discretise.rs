@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use super::RunError;
 use super::lock::locked;
 use super::need::has_room;
-use super::refinement::{CoarserMesh, refined};
+use super::refinement::{CoarserMesh, Refinement};
 use crate::algebra::linear::built_in::ranks;
 use crate::algebra::linear::{Engine, engine};
 use crate::base::memory::Budget;
@@ -14,7 +14,7 @@ use crate::body::model::{Model, ModelError, Share};
 use crate::run::report::ProbeTable;
 use crate::scene::Scene;
 use crate::solver::formulation::Layout;
-use crate::solver::history::{LinearAlgebra, SolverChoice};
+use crate::solver::history::{LinearAlgebra, Observer, SolverChoice};
 
 /// The number of equal parts of a history whose gaps are curved in time. Within each part the gaps follow a chord.
 const CHORDS: usize = 512;
@@ -49,8 +49,19 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
 }
 
 /// Discretises `scene` with the stiffness that its solver needs, on the mesh that it asks for; returns the coarser meshes, too.
-pub(super) fn for_run(scene: &Scene) -> Result<(Model, Vec<CoarserMesh>), RunError> {
-    let (scene, meshes) = refined(scene)?;
+/// `prepare` sees their models and `observer` the iterations on them.
+pub(super) fn for_run(
+    scene: &Scene,
+    prepare: &mut dyn FnMut(&Model),
+    observer: &mut dyn Observer,
+) -> Result<(Model, Vec<CoarserMesh>), RunError> {
+    let (mut scene, mut meshes) = (Cow::Borrowed(scene), Vec::new());
+    if let Some(wanted) = scene.refine {
+        let mut refinement = Refinement::new(&scene);
+        refinement.until(wanted, prepare, observer)?;
+        let (refined, coarser) = refinement.into_scene();
+        (scene, meshes) = (Cow::Owned(refined), coarser);
+    }
     let model = match share(&scene.solver) {
         Some(engine) => shared(&*locked(&scene, tightening)?, engine)?,
         None => discretise(&scene)?,

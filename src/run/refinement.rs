@@ -7,7 +7,7 @@
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
-use std::borrow::Cow;
+use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use schemars::JsonSchema;
@@ -17,7 +17,10 @@ use super::{Recording, Run, RunError};
 use crate::base::input_error::InputError;
 use crate::body::ElementEstimate;
 use crate::body::mesh::{Bisection, Mesh, MeshSource};
+use crate::body::model::Model;
 use crate::scene::Scene;
+use crate::solver::history::{IncrementView, Observer};
+use crate::solver::newton::IterationRecord;
 
 /// The share of the squared error in the cells that are divided.
 const SHARE: f64 = 0.5;
@@ -36,77 +39,179 @@ pub struct CoarserMesh {
     pub error: f64,
 }
 
-/// Returns `scene` on the mesh that its `refine` asks for, and the meshes before; as it is if it asks for none.
-///
-/// # Errors
-/// If the mesh has other cells than triangles or tetrahedra, if a run on a coarser mesh fails, and if the error does not
-/// become as small as asked for.
-pub(super) fn refined(scene: &Scene) -> Result<(Cow<'_, Scene>, Vec<CoarserMesh>), RunError> {
-    let Some(wanted) = scene.refine else { return Ok((Cow::Borrowed(scene), Vec::new())) };
-    let fault =
-        |message: &str, help: &str| RunError::Scene(scene.located(InputError::new("mesh.refine", message, help)));
-    let (mut refined, mut meshes) = (scene.clone(), Vec::new());
-    refined.refine = None;
-    let mut bisection: Option<Bisection> = None;
-    for _ in 0..MAX_MESHES {
-        let run = Run::new(&refined)?;
-        let mesh = Arc::clone(&run.model().mesh);
-        let (error, squares) = errors(&run, scene)?;
-        if error <= wanted {
-            return Ok((Cow::Owned(refined), meshes));
+/// A scene whose mesh is refined, step by step, where the errors of the stresses are large.
+#[derive(Debug, Clone)]
+pub struct Refinement {
+    /// The scene on its present mesh.
+    scene: Scene,
+    bisection: Option<Bisection>,
+    meshes: Vec<CoarserMesh>,
+    /// The errors of the present mesh, if they are known.
+    errors: Option<MeshErrors>,
+}
+
+/// The errors of a mesh.
+#[derive(Debug, Clone)]
+struct MeshErrors {
+    mesh: CoarserMesh,
+    /// The largest squared error of each cell.
+    squares: Vec<f64>,
+    /// The power of the size of elements with which errors of smooth stresses fall.
+    order: f64,
+    dimension: f64,
+}
+
+impl Refinement {
+    /// Begins with the mesh of `scene`.
+    pub fn new(scene: &Scene) -> Self {
+        let mut scene = scene.clone();
+        scene.refine = None;
+        Refinement { scene, bisection: None, meshes: Vec::new(), errors: None }
+    }
+
+    /// Returns `true` if `mesh` can be refined: it has only triangles, or only tetrahedra.
+    pub fn is_possible(mesh: &Mesh) -> bool {
+        mesh.cells.iter().all(|cell| cell.kind.is_simplex())
+    }
+
+    /// Returns the scene on its present mesh.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the error at which this ends,
+    /// with two digits: the value of `mesh.refine` that leads to this mesh. `observer` sees the iterations on coarser meshes.
+    ///
+    /// # Errors
+    /// As [`Refinement::until`].
+    pub fn finer(&mut self, ratio: f64, observer: &mut dyn Observer) -> Result<f64, RunError> {
+        let MeshErrors { mesh, order, .. } = self.errors(&mut |_| (), observer)?;
+        let exact = mesh.error / ratio.powf(*order);
+        if exact == 0.0 {
+            return self.divide().map(|()| 0.0);
         }
-        meshes.push(CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error });
-        if bisection.is_none() {
-            bisection = Bisection::new(&mesh);
+        let digits = 10.0_f64.powf(1.0 - exact.log10().floor());
+        let wanted = (digits * exact).floor() / digits;
+        self.until(wanted, &mut |_| (), observer).map(|()| wanted)
+    }
+
+    /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm. `prepare` sees each
+    /// model and `observer` the iterations on coarser meshes. A history that ends early refines no further.
+    ///
+    /// # Errors
+    /// If the mesh has other cells than triangles or tetrahedra, if a run on a coarser mesh fails, and if the error does not
+    /// become as small as asked for.
+    pub fn until(
+        &mut self,
+        wanted: f64,
+        prepare: &mut dyn FnMut(&Model),
+        observer: &mut dyn Observer,
+    ) -> Result<(), RunError> {
+        for _ in 0..MAX_MESHES {
+            let MeshErrors { mesh, order, dimension, .. } = self.errors(prepare, observer)?;
+            if mesh.error <= wanted {
+                return Ok(());
+            }
+            // Cells of half the volume, where half of the squared error is.
+            let expected = mesh.error * (1.0 - SHARE * (1.0 - 0.5_f64.powf(2.0 * *order / *dimension))).sqrt();
+            self.divide()?;
+            // The run on the last mesh tells its error.
+            if expected <= wanted {
+                return Ok(());
+            }
         }
-        let Some(bisection) = bisection.as_mut() else {
+        Err(self.fault(&format!("an error of {} % is out of reach", 100.0 * wanted), "ask for a larger error"))
+    }
+
+    /// Returns the scene on its present mesh, and the coarser meshes.
+    pub(super) fn into_scene(self) -> (Scene, Vec<CoarserMesh>) {
+        (self.scene, self.meshes)
+    }
+
+    /// Divides the cells of the present mesh with large errors.
+    fn divide(&mut self) -> Result<(), RunError> {
+        let (Some(bisection), Some(errors)) = (&mut self.bisection, self.errors.take()) else {
             let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
-            return Err(fault("only meshes of triangles or of tetrahedra refine themselves", help));
+            return Err(self.fault("only meshes of triangles or of tetrahedra refine themselves", help));
         };
-        bisection.refine(&marked(&squares));
-        refined.description.mesh = MeshSource::Given(Arc::new(bisection.mesh()));
-        // The run that is asked for tells the error of the last mesh.
-        if error * expected_ratio(&mesh) <= wanted {
-            return Ok((Cow::Owned(refined), meshes));
+        bisection.refine(&marked(&errors.squares));
+        self.scene.description.mesh = MeshSource::Given(Arc::new(bisection.mesh()));
+        self.meshes.push(errors.mesh);
+        Ok(())
+    }
+
+    fn fault(&self, message: &str, help: &str) -> RunError {
+        RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
+    }
+
+    /// Returns the errors of the present mesh: the largest ones at the output times, or at the end. Solves a history unless they
+    /// are known.
+    fn errors(
+        &mut self,
+        prepare: &mut dyn FnMut(&Model),
+        observer: &mut dyn Observer,
+    ) -> Result<&MeshErrors, RunError> {
+        let errors = match self.errors.take() {
+            Some(errors) => errors,
+            None => {
+                let run = Run::prepared(&self.scene, prepare, &mut ())?;
+                if self.bisection.is_none() {
+                    self.bisection = Bisection::new(&run.model().mesh);
+                }
+                MeshErrors::of(&run, &self.scene, observer)?
+            }
+        };
+        Ok(self.errors.insert(errors))
+    }
+}
+
+impl MeshErrors {
+    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<Self, RunError> {
+        let numbers: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
+        let mut recording = if numbers.is_empty() { Recording::last() } else { Recording::of(numbers) };
+        run.history(&mut Recorded { recording: &mut recording, observer })?;
+        let model = run.model();
+        let mesh = &model.mesh;
+        let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; mesh.cells.len()]);
+        for increment in &recording.increments {
+            let t = increment.record.time;
+            let displacements = model.displaced(t, &increment.state.u);
+            let estimate = ElementEstimate::new(model, &model.thermal_factors(t), &displacements, &[]);
+            let Some(own) = estimate.discretisation else { continue };
+            error = error.max(own.whole);
+            squares.iter_mut().zip(&own.of_cells).for_each(|(square, share)| *square = square.max(share * share));
         }
+        let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
+        let dimension = mesh.dimension as f64;
+        let mesh = CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error };
+        Ok(MeshErrors { mesh, squares, order, dimension })
     }
-    Err(fault(&format!("an error of {} % is out of reach", 100.0 * wanted), "ask for a larger error"))
 }
 
-/// Returns the ratio of the errors of a mesh and of the one before: cells of half the volume, where half of the squared
-/// error is.
-fn expected_ratio(mesh: &Mesh) -> f64 {
-    let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
-    (1.0 - SHARE * (1.0 - 0.5_f64.powf(2.0 * order / mesh.dimension as f64))).sqrt()
+/// A recording of a run whose iterations another observer sees.
+struct Recorded<'a> {
+    recording: &'a mut Recording,
+    observer: &'a mut dyn Observer,
 }
 
-/// Solves a history and returns the largest error of the mesh in the energy norm at the output times, or at the end, and the
-/// largest squared error of each cell.
-fn errors(run: &Run<'_>, scene: &Scene) -> Result<(f64, Vec<f64>), RunError> {
-    let numbers: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
-    let mut recording = if numbers.is_empty() { Recording::last() } else { Recording::of(numbers) };
-    run.history(&mut recording)?;
-    let model = run.model();
-    let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; model.mesh.cells.len()]);
-    for increment in &recording.increments {
-        let t = increment.record.time;
-        let displacements = model.displaced(t, &increment.state.u);
-        let estimate = ElementEstimate::new(model, &model.thermal_factors(t), &displacements, &[]);
-        let Some(own) = estimate.discretisation else { continue };
-        error = error.max(own.whole);
-        squares.iter_mut().zip(&own.of_cells).for_each(|(square, share)| *square = square.max(share * share));
+impl Observer for Recorded<'_> {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
+        self.observer.iteration(index, record)
     }
-    Ok((error, squares))
+
+    fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
+        self.recording.increment(step)
+    }
 }
 
-/// Returns the fewest cells with [`SHARE`] of the sum of `squares`.
+/// Returns the fewest cells with [`SHARE`] of the sum of `squares`; all if the sum is 0.
 fn marked(squares: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..squares.len()).collect();
     order.sort_by(|&a, &b| squares[b].total_cmp(&squares[a]));
     let whole: f64 = squares.iter().sum();
     let mut sum = 0.0;
     let is_needed = |&e: &usize| {
-        let needed = sum < SHARE * whole;
+        let needed = sum < SHARE * whole || whole == 0.0;
         sum += squares[e];
         needed
     };

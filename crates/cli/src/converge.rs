@@ -3,6 +3,9 @@
 //! Each run refines either the mesh or the increments, whichever error is larger. The change of the value by a run counts
 //! for what was refined. The errors of mesh and increments follow from these changes ([`limit`]), and their sum is the
 //! error of the last run.
+//!
+//! Meshes of triangles or tetrahedra refine themselves where the errors of the stresses are large ([`Refinement`]); all elements
+//! of others become smaller.
 
 mod extrapolation;
 mod format;
@@ -19,8 +22,8 @@ use crate::study::{MeshSize, Places, StudyError, TableQuantity};
 use stickslip::body::ModelError;
 use stickslip::body::mesh::Mesh;
 use stickslip::run::report::{LargestPressure, RunReport};
-use stickslip::run::{Run, RunError};
-use stickslip::scene::{Override, Scene};
+use stickslip::run::{Refinement, Run, RunError};
+use stickslip::scene::Scene;
 use stickslip::solver::history::{Observer, Status};
 
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
@@ -95,8 +98,9 @@ pub fn compute(
     places.add(&scene.description);
     let sought = plan.sought.at(&places, true).map_err(StudyError::Quantity)?;
     let mut last = None;
+    let mut meshes = Meshes::new(scene, &ladder)?;
     let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
-        let (run, report) = solve(scene, &sought, (&ladder, mesh, increments), steps, progress, observer)?;
+        let (run, report) = solve(&mut meshes, &sought, (mesh, increments), steps, progress, observer)?;
         last = Some(report);
         Ok(run)
     })?;
@@ -125,22 +129,61 @@ fn fineness(mesh: &Mesh) -> f64 {
     mesh.cells.len() as f64 * if quadratic { 2.0_f64.powi(mesh.dimension as i32) } else { 1.0 }
 }
 
+/// The scene of a study on its meshes.
+struct Meshes<'a> {
+    own: &'a Scene,
+    ladder: &'a Ladder,
+    /// The meshes that refine themselves, if they do: the last one, its level, and the error up to which it was refined.
+    refined: Option<(Refinement, usize, f64)>,
+}
+
+impl<'a> Meshes<'a> {
+    fn new(own: &'a Scene, ladder: &'a Ladder) -> Result<Self, StudyError> {
+        let first = own.with(&[ladder.time(0)]).map_err(RunError::from)?;
+        let refined = ladder.refines_itself.then(|| (Refinement::new(&first), 0, 0.0));
+        Ok(Meshes { own, ladder, refined })
+    }
+
+    /// Returns the scene on these levels of mesh and increments, and the name of the mesh.
+    fn scene(
+        &mut self,
+        mesh: usize,
+        increments: usize,
+        observer: &mut dyn Observer,
+    ) -> Result<(Scene, String), StudyError> {
+        let mut overrides = self.ladder.mesh(self.own, mesh);
+        overrides.push(self.ladder.time(increments));
+        let mut scene = self.own.with(&overrides).map_err(RunError::from)?;
+        let mut name = ladder::name(&scene.description.mesh);
+        if let Some((refinement, level, error)) = &mut self.refined {
+            while *level < mesh {
+                *error = refinement.finer(self.ladder.ratio, observer)?;
+                *level += 1;
+            }
+            scene.refine = None;
+            scene.description.mesh = refinement.scene().description.mesh.clone();
+            if mesh > 0 {
+                name = format!("refine = {error}");
+            }
+        }
+        Ok((scene, name))
+    }
+}
+
 /// Solves the scene on these levels of mesh and increments, after the `steps`.
 fn solve(
-    own: &Scene,
+    meshes: &mut Meshes<'_>,
     sought: &TableQuantity,
-    (ladder, mesh, increments): (&Ladder, usize, usize),
+    (mesh, increments): (usize, usize),
     steps: &[Step],
     progress: &mut dyn FnMut(String),
     observer: &mut dyn Observer,
 ) -> Result<(Step, RunReport), StudyError> {
-    let number = ladder.increments(increments);
-    let mut overrides = ladder.mesh(own, mesh);
-    overrides.push(Override::value("time.increments", number as i64));
-    let scene = own.with(&overrides).map_err(RunError::from)?;
-    let name = ladder::name(&scene.description.mesh);
-    progress(format!("mesh {name}, {number} increments"));
     let start = Instant::now();
+    let (scene, name) = meshes.scene(mesh, increments, observer)?;
+    let Meshes { own, ladder, .. } = *meshes;
+    let number = ladder.increments(increments);
+    progress(format!("mesh {name}, {number} increments"));
     let run = Run::new(&scene)?;
     let model = run.model();
     let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));

@@ -25,8 +25,8 @@ pub(super) struct ConvergeArgs {
     #[arg(long, value_name = "SHARE", default_value_t = 0.02, value_parser = share)]
     to: f64,
     /// Meshes from coarse to fine, each by its first number of elements, the other numbers in the proportions of the
-    /// scene; for a scene with a mesh file, mesh files, relative to the scene file: a.msh,b.msh [default: a quarter, half, all of the scene's
-    /// elements along each axis, and so on]
+    /// scene; for a scene with a mesh file, mesh files, relative to the scene file: a.msh,b.msh [default: triangles and
+    /// tetrahedra refine themselves; others a quarter, half, all of the scene's elements along each axis, and so on]
     #[arg(long, value_delimiter = ',')]
     meshes: Vec<MeshSize>,
     /// Factor of the elements along each axis from mesh to mesh

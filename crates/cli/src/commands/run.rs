@@ -182,7 +182,13 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
 
 /// Prepares the run, from the checkpoint `left` if it was interrupted before.
 fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Checkpoint>) -> Result<Run<'a>, Failure> {
-    let mut run = Run::prepared(scene, |model| threads::share_with_the_blas(model, count))?;
+    let mut prepare = |model: &Model| {
+        if scene.refine.is_some() && args.is_verbose() {
+            say!("set-up       {} nodes", model.mesh.nodes.len());
+        }
+        threads::share_with_the_blas(model, count);
+    };
+    let mut run = Run::prepared(scene, &mut prepare, &mut interrupt::UntilInterrupted)?;
     if args.uniqueness {
         run = run.with_uniqueness()?;
     }

@@ -1,6 +1,8 @@
 //! The meshes and numbers of increments of a study, from coarse to fine.
 
+use stickslip::body::ModelError;
 use stickslip::body::mesh::{HalfPlane, MeshSource};
+use stickslip::run::{Refinement, RunError};
 use stickslip::scene::{Override, Scene};
 
 use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multiplied};
@@ -9,7 +11,7 @@ use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multi
 /// exact halves.
 const LEAST_ELEMENTS: f64 = 8.0;
 
-/// The largest number of meshes coarser than the scene's.
+/// The largest number of meshes coarser than the scene's, and the number of those that count as coarse if meshes refine themselves.
 const COARSER: i32 = 2;
 
 /// Fewer increments than this are not halved.
@@ -20,30 +22,36 @@ const LEAST_INCREMENTS: usize = 4;
 pub struct Ladder {
     /// Meshes named by the user; if there are none, the elements of the scene times powers of `ratio`, from `first` on.
     named: Vec<MeshSize>,
-    ratio: f64,
+    /// `true` if none are named and the mesh of the scene can refine itself; it is the first one then.
+    pub(super) refines_itself: bool,
+    pub(super) ratio: f64,
     first: i32,
     /// The number of increments of the first run.
     first_increments: usize,
 }
 
 impl Ladder {
-    /// Returns the meshes `named`, or those of `scene` with all numbers of elements times powers of `ratio`. They begin
-    /// up to two steps below the mesh of the scene. Increments begin with half of those of the scene.
+    /// Returns the meshes `named`; without names, those to which the mesh of `scene` refines itself, if it can, or those
+    /// with all numbers of elements times powers of `ratio`, which begin up to two steps below the mesh of the scene.
+    /// Increments begin with half of those of the scene.
     ///
     /// # Errors
-    /// When the scene has no meshes of this kind.
+    /// When the scene has no meshes of this kind, and when its mesh cannot be built.
     pub fn new(scene: &Scene, named: &[MeshSize], ratio: f64) -> Result<Self, StudyError> {
         let mesh = &scene.description.mesh;
         let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
+        let built = || mesh.build().map_err(|error| RunError::from(ModelError::from(error)));
+        let refines_itself = choices.is_empty() && Refinement::is_possible(&*built()?);
         let named = match choices.is_empty() {
-            true if first_elements(mesh).is_none() => return Err(StudyError::NoFinerMesh),
+            true if first_elements(mesh).is_none() && !refines_itself => return Err(StudyError::NoFinerMesh),
             true => Vec::new(),
             false => each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect(),
         };
-        let coarser = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
+        let halves = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
+        let coarser = if refines_itself { 0 } else { halves };
         let own = scene.time.increments;
         let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
-        Ok(Ladder { named, ratio, first: -coarser, first_increments })
+        Ok(Ladder { named, refines_itself, ratio, first: -coarser, first_increments })
     }
 
     /// Returns the number of meshes; `None` for any number.
@@ -56,10 +64,15 @@ impl Ladder {
         self.first_increments << level
     }
 
+    /// Returns the override that gives a scene the increments of `level`.
+    pub(super) fn time(&self, level: usize) -> Override {
+        Override::value("time.increments", self.increments(level) as i64)
+    }
+
     fn size(&self, level: usize) -> MeshSize {
         match (self.named.get(level), self.first + level as i32) {
             (Some(named), _) => named.clone(),
-            (None, 0) => MeshSize::Own,
+            (None, power) if power == 0 || self.refines_itself => MeshSize::Own,
             (None, power) => MeshSize::Times(self.ratio.powi(power)),
         }
     }
@@ -67,16 +80,18 @@ impl Ladder {
     /// Returns `true` if mesh `level` is the scene's own.
     pub fn is_own(&self, level: usize, mesh: &MeshSource) -> bool {
         match self.size(level) {
-            MeshSize::Own => true,
+            MeshSize::Own => self.first + level as i32 == 0,
             MeshSize::Times(_) => false,
             MeshSize::Elements(n) => first_elements(mesh) == Some(n),
             MeshSize::File(file) => matches!(mesh, MeshSource::File { file: own, .. } if own.ends_with(file)),
         }
     }
 
-    /// Returns `true` if mesh `level` is coarser than the scene's, or one of the named that has a finer one.
+    /// Returns `true` if mesh `level` is coarser than the scene's, is one of the first that refine themselves, or one of the named
+    /// that has a finer one.
     pub fn is_coarse(&self, level: usize) -> bool {
-        self.meshes().map_or(self.first + (level as i32) < 0, |number| level + 1 < number)
+        let first = if self.refines_itself { -COARSER } else { self.first };
+        self.meshes().map_or(first + (level as i32) < 0, |number| level + 1 < number)
     }
 
     /// Returns the overrides that give `scene` the mesh `level`.

@@ -177,21 +177,22 @@ fn foreign_files_are_not_replaced() {
     }
 }
 
-/// A mesh file has finer ones only by name. If its geometry lies beside it, the command of Gmsh is printed.
+/// A body on a floor, with a mesh file.
+const FILE: &str = "mesh = { kind = 'gmsh', file = 'a.msh' }
+    material = { young = 1e9, poisson = 0.3 }
+    support = [{ boundary = 'top', fix = ['x', 'y'] }]
+    contact = [
+      { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', approach = [[0, 0], [1, 1e-3]] } },
+    ]
+    time = { end = 1, increments = 2 }";
+
+/// A mesh file of quadrilaterals has finer ones only by name. If its geometry lies beside it, the command of Gmsh is printed.
 #[test]
 fn mesh_files_are_named() {
     let scene = small();
     assert!(!scene.contains("gmsh"));
-    let (folder, file) = Folder::with_scene(
-        "mesh = { kind = 'gmsh', file = 'a.msh' }
-        material = { young = 1e9, poisson = 0.3 }
-        support = [{ boundary = 'top', fix = ['x', 'y'] }]
-        contact = [
-          { boundary = 'bottom', friction = 0.3, obstacle = { kind = 'plane', approach = [[0, 0], [1, 1e-3]] } },
-        ]
-        time = { end = 1, increments = 2 }",
-    );
-    fs::write(folder.join("a.msh"), include_str!("../../../../data/meshes/square_triangles.msh")).unwrap();
+    let (folder, file) = Folder::with_scene(FILE);
+    fs::write(folder.join("a.msh"), include_str!("../../../../data/meshes/plate_quads_mm.msh")).unwrap();
     let output = stickslip(&converge(&file, "peak", &[]));
     assert_exit(&output, 2);
     assert!(stderr(&output).contains("--meshes coarse.msh,fine.msh"), "{}", stderr(&output));
@@ -205,6 +206,28 @@ fn mesh_files_are_named() {
     let output = stickslip(&converge(&file, "force", &["--meshes", "a.msh"]));
     assert_exit(&output, 1);
     assert!(flat(&output).contains("no finer mesh is named") && stdout(&output).contains("gmsh -2 -clscale 0.5"));
+}
+
+/// Meshes of triangles refine themselves, and each is named by the value of `mesh.refine` that leads to it.
+#[test]
+fn triangles_refine_themselves() {
+    let (folder, file) = Folder::with_scene(FILE);
+    fs::write(folder.join("a.msh"), include_str!("../../../../data/meshes/square_triangles.msh")).unwrap();
+    let output = stickslip(&converge(&file, "force", &["--to", "0.05", "--json"]));
+    assert_exit(&output, 0);
+    let study = json(&output);
+    let runs = study["runs"].as_array().unwrap();
+    let (first, last) = (&runs[0], &runs[runs.len() - 1]);
+    assert!(first["mesh"].as_str().unwrap().ends_with("a.msh"), "{first}");
+    let refine = last["mesh"].as_str().unwrap().replace("refine", "mesh.refine").replace(' ', "");
+    let scene = Scene::read(file.as_ref(), &[refine.parse().unwrap()]).unwrap();
+    let again = stickslip::run::Run::new(&scene).unwrap();
+    assert_eq!(again.model().mesh.cells.len() as u64, last["elements"].as_u64().unwrap(), "{refine}");
+    // With a finer mesh the force is within what was told.
+    let value = |study: &serde_json::Value, key: &str| study[key].as_f64().unwrap();
+    let finer = json(&stickslip(&converge(&file, "force", &["--to", "0.01", "--json"])));
+    let error = (value(&study, "value") / value(&finer, "extrapolated") - 1.0).abs();
+    assert!(error <= value(&study, "uncertainty"), "{error} {study}");
 }
 
 /// Returns a unit square of `n` by `n` quadrilaterals, of eight nodes if `second`.
