@@ -67,16 +67,21 @@ pub(super) struct Document {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "coupling")]
 pub(super) struct Coupling {
-    /// The name of the reference point.
+    /// Name of the reference point.
+    /// Example: `name = "handle"`. Value: name.
     pub name: String,
-    /// A boundary of the mesh.
+    /// Boundary that is coupled.
+    /// Example: `boundary = "top"`. Value: name. Default: this or `body`.
     pub boundary: Option<String>,
-    /// The body that is rigid, in place of a boundary.
+    /// Body that is rigid.
+    /// Example: `body = "punch"`. Value: name. Default: this or `boundary`.
     pub body: Option<String>,
-    /// The place of the reference point, m; the centroid of boundary or body unless given.
+    /// Position of the reference point; it need not be in the body.
+    /// Example: `point = [0, 0.1]`. Value: point, m. Default: centroid of boundary or body.
     pub point: Option<Vector>,
-    /// The kind: the nodes move with the point as a rigid body, or forces at the point are distributed over the boundary;
-    /// rigid unless given.
+    /// Kind of the coupling: the nodes move with the point as a rigid body, or forces at the point are distributed
+    /// over the boundary.
+    /// Example: `kind = "rigid"`. Default: `"rigid"`.
     #[serde(default)]
     pub kind: CouplingKind,
 }
@@ -85,19 +90,28 @@ pub(super) struct Coupling {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "support")]
 pub(super) struct Support {
-    /// A boundary of the mesh.
+    /// Boundary that is held.
+    /// Example: `boundary = "top"`. Value: name. Default: one of three.
     pub boundary: Option<String>,
-    /// The place of a node, m, in place of a boundary.
+    /// Node that is held, exact to a millionth of the body's size.
+    /// Example: `point = [0, 0.1]`. Value: point, m. Default: one of three.
     pub point: Option<Vector>,
-    /// The name of a coupling, in place of a boundary.
+    /// Reference point of a [coupling](coupling.md) that is held.
+    /// Example: `coupling = "handle"`. Value: name. Default: one of three.
     pub coupling: Option<String>,
-    /// The directions that are held: components, the outward normal of the boundary, or rotations of a coupling.
+    /// Directions that are held: axes, the outward normal of the boundary, or rotations of a coupling.
+    /// Example: `fix = ["x", "y"]`. Value: list of `"x"`, `"y"`, `"z"`, `"normal"`; for a coupling also
+    /// `"rotation_x"`, `"rotation_y"`, `"rotation_z"`. Default: this or `direction`.
     pub fix: Option<Vec<Fix>>,
-    /// The one direction that is held, in place of fix.
+    /// The one direction that is held.
+    /// Example: `direction = [1, 1]`. Value: vector of any length. Default: this or `fix`.
     pub direction: Option<Vector>,
-    /// Where that is moved: one length (m) or angle (rad) for each direction, in the order of fix. 0 unless given.
+    /// Prescribed displacement or rotation for each direction, in the order of `fix`.
+    /// Example: `displacement = [0, -1e-4]`. Value: number or list, m; rad for rotations. Default: 0.
     pub displacement: Option<OneOrMany<f64>>,
-    /// Points [time (s), factor] of the displacements; from 0 at 0 to 1 at time.end unless given.
+    /// [History](time.md#histories) of the displacement.
+    /// Example: `history = [[0, 0], [0.5, 1], [1, 1]]`. Value: points `[time, factor]`, s. Default: from 0 at 0 to
+    /// 1 at `time.end`.
     pub history: Option<Vec<Tuple<f64>>>,
 }
 
@@ -118,58 +132,82 @@ pub(super) enum Fix {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "spring")]
 pub(super) struct Spring {
-    /// A boundary of the mesh.
+    /// Boundary on a foundation.
+    /// Example: `boundary = "bottom"`. Value: name. Default: one of three.
     pub boundary: Option<String>,
-    /// The place of a node, m, in place of a boundary.
+    /// Node with a spring.
+    /// Example: `point = [0, 0.1]`. Value: point, m. Default: one of three.
     pub point: Option<Vector>,
-    /// The name of a coupling, in place of a boundary.
+    /// Reference point of a [coupling](coupling.md) with a spring.
+    /// Example: `coupling = "handle"`. Value: name. Default: one of three.
     pub coupling: Option<String>,
-    /// Along the axes: N/m³ of a boundary, N/m at a point or coupling.
-    #[schemars(length(min = 2, max = 3))]
-    pub stiffness: Option<Vec<f64>>,
-    /// coupling: against its rotation, N m: a number about z in the plane, [x, y, z] in space.
-    #[schemars(extend("minimum" = 0))]
-    pub rotational: Option<OneOrMany<f64>>,
-    /// boundary: along its normal, N/m³. 0 unless given.
+    /// Stiffness along the normal of the boundary.
+    /// Example: `normal = 1e9`. Value: number, N/m³. Default: 0.
     #[schemars(extend("minimum" = 0))]
     pub normal: Option<f64>,
-    /// boundary: across its normal, N/m³. 0 unless given.
+    /// Stiffness across the normal of the boundary.
+    /// Example: `tangential = 1e8`. Value: number, N/m³. Default: 0.
     #[schemars(extend("minimum" = 0))]
     pub tangential: Option<f64>,
+    /// Stiffness against the rotation of a coupling, moment per angle: about z in the plane, about x, y, z in
+    /// space.
+    /// Example: `rotational = 1e4`. Value: number, N m; in space a vector.
+    #[schemars(extend("minimum" = 0))]
+    pub rotational: Option<OneOrMany<f64>>,
+    /// Stiffness along the axes, in place of `normal` and `tangential`.
+    /// Example: `stiffness = [1e6, 0]`. Value: vector, N/m³ (boundary) or N/m (point, coupling).
+    #[schemars(length(min = 2, max = 3))]
+    pub stiffness: Option<Vec<f64>>,
 }
 
 /// A boundary that can touch an obstacle, or another boundary (against).
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "contact")]
 pub(super) struct ContactTable {
-    /// A boundary of the mesh.
+    /// Boundary that can touch, between bodies the slave; once in all contacts.
+    /// Example: `boundary = "bottom"`. Value: name.
     pub boundary: String,
-    /// Coulomb's coefficient, or a formula of x, y, z (m) for it.
+    /// Coulomb's coefficient μ, such as `"0.1 + 0.2 * x"`.
+    /// Example: `friction = 0.3`. Value: number, or a [formula](formulas.md) of x, y, z. Default:
+    /// required unless glued.
     #[schemars(extend("minimum" = 0))]
     pub friction: Option<Scalar>,
-    /// Points [time (s), factor], factors of 0 or more, by which it is multiplied.
+    /// Factor on the friction, as for a contact that is greased at first: `[[0, 0], [1, 0], [2, 1]]`.
+    /// Example: `friction_history = [[0, 0.1], [1, 1]]`. Value: points `[time, factor]`, s, factors ≥ 0. Default:
+    /// constant.
     pub friction_history: Option<Vec<Tuple<f64>>>,
-    /// The obstacles in front of it; of several, each node meets the one that is nearest at first, and of those with one
-    /// normal the one that is nearest at the time.
+    /// Rigid [obstacle](obstacle.md) in front of it. Of several, each node meets the one that is nearest at first,
+    /// and of those with one normal the one that is nearest at the time.
+    /// Example: `obstacle = { kind = "plane" }`. Value: table or list of tables. Default: this or `against`.
     pub obstacle: Option<OneOrMany<Obstacle>>,
-    /// The boundary of another body in front of it, or a list of boundaries, in place of an obstacle.
+    /// Boundary of another body in front of it, the master; several count as one.
+    /// Example: `against = "lower:top"`. Value: name or list of names. Default: this or `obstacle`.
     pub against: Option<OneOrMany<String>>,
-    /// against: whether the two are glued, without friction; false unless given.
+    /// against: Neither part nor slide; without friction.
+    /// Example: `glue = true`. Default: `false`.
     pub glue: Option<bool>,
-    /// glue: the vector that moves the opposite boundary in front of the boundary, m, such as the period.
+    /// against: With `glue`: vector that moves `against` in front of `boundary`, such as the
+    /// [period](#periodic-boundaries).
+    /// Example: `shift = [0.3, 0]`. Value: vector, m. Default: none.
     pub shift: Option<Vector>,
-    /// against: how far apart parts of the two may be that belong to each other, m; a tenth of the size of the smaller
-    /// one unless given.
-    pub search: Option<f64>,
-    /// against: the gap when the history begins, m, negative for interference: a number, a formula of x, y, z (m), or
-    /// "measured", which it is unless given: between the curved surfaces that facets approximate.
+    /// against: Gap at the beginning, negative for interference; `"measured"`: between the meshes, or between the
+    /// [curved surfaces](#press-fit) that they approximate.
+    /// Example: `gap = -2e-5`. Value: number or formula, m, or `"measured"`. Default: `"measured"`.
     pub gap: Option<Scalar>,
-    /// against: measured gaps and overlaps up to this count as 0, m; 0 unless given.
+    /// against: Measured gaps and overlaps up to this count as 0, and always those up to 8 roundings of the largest
+    /// coordinate.
+    /// Example: `adjust = 1e-6`. Value: length, m. Default: 0.
     #[schemars(extend("minimum" = 0))]
     pub adjust: Option<f64>,
-    /// against: the normal for the whole of it, out of the boundary; normals between those of both sides unless given.
+    /// against: Largest distance at which parts of the two are paired.
+    /// Example: `search = 0.01`. Value: length, m. Default: a tenth of the longest side of the box around the
+    /// smaller boundary.
+    pub search: Option<f64>,
+    /// against: One normal for all, out of `boundary`.
+    /// Example: `direction = [0, -1]`. Value: vector. Default: at each node, between the normals of both sides.
     pub direction: Option<Vector>,
-    /// against: whose nodes carry the contact forces; those of the boundary unless given.
+    /// against: Side whose nodes carry the contact forces.
+    /// Example: `slave = "automatic"`. Default: `"boundary"`.
     pub slave: Option<Slave>,
 }
 
@@ -177,17 +215,25 @@ pub(super) struct ContactTable {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "pretension")]
 pub(super) struct Pretension {
-    /// The name of the section.
+    /// Name of the section in results.
+    /// Example: `name = "bolt"`. Value: name.
     pub name: String,
-    /// The boundary of a contact with glue = true.
+    /// `boundary` of a contact with `glue = true`.
+    /// Example: `boundary = "shank:top"`. Value: name.
     pub boundary: String,
-    /// The force across the section, N, positive for tension.
+    /// Force across the section, positive for tension. Plane bodies without thickness: N per m of depth; bodies of
+    /// revolution: over the full circumference.
+    /// Example: `force = 10e3`. Value: number, N. Default: this or `shortening`.
     pub force: Option<f64>,
-    /// The length by which the boundary moves beyond the other side, m, in place of force.
+    /// Length by which the bolt is shortened: its boundary moves so far beyond the other side.
+    /// Example: `shortening = 2e-5`. Value: number, m. Default: this or `force`.
     pub shortening: Option<f64>,
-    /// Points [time (s), factor]; from 0 at 0 to 1 at time.end unless given.
+    /// Factor on force or shortening.
+    /// Example: `history = [[0, 0], [1, 1]]`. Value: points `[time, factor]`, s. Default: from 0 at 0 to 1 at
+    /// `time.end`.
     pub history: Option<Vec<Tuple<f64>>>,
-    /// force: the time, s, from which the shortening stays as the force made it.
+    /// Time from which the shortening stays as the `force` made it. An increment ends there.
+    /// Example: `lock = 1`. Value: time, s, below `time.end`. Default: never.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub lock: Option<f64>,
 }
@@ -211,50 +257,85 @@ pub(super) enum ObstacleKind {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "obstacle")]
 pub(super) struct Obstacle {
-    /// Its shape.
+    /// Shape.
+    /// Example: `kind = "plane"`.
     pub kind: ObstacleKind,
-    /// plane: distance from the nearest point of the boundary, m; negative for interference. 0 unless given.
+    /// plane: Distance from the nearest point of the boundary; negative for interference.
+    /// Example: `gap = 1e-4`. Value: number, m. Default: 0.
     pub gap: Option<f64>,
-    /// plane: a point of it, m, in place of gap.
+    /// plane: A point of the plane, in place of `gap`.
+    /// Example: `through = [0, -0.1]`. Value: point, m.
     pub through: Option<Vector>,
-    /// cylinder, bore, sphere, socket: radius, m.
+    /// cylinder, bore, sphere, socket: Radius. Bore and socket are around the body.
+    /// Example: `radius = 0.05`. Value: length, m, > 0. Default: required.
     pub radius: Option<f64>,
-    /// cylinder, sphere: the point nearest to the body; bore, socket: the point that the normal points to from its axis
-    /// or centre; cone: its tip; wedge: a point of its ridge, m.
+    /// cylinder, sphere: Point nearest to the body.
+    /// Example: `apex = [0, 0]`. Value: point, m. Default: this or `center`.
+    ///
+    /// bore, socket: Point that the normal points to from the axis or centre.
+    /// Example: `apex = [0, 0]`. Value: point, m. Default: this or `center`.
+    ///
+    /// cone: Tip. In space, or about the axis of a body of revolution.
+    /// Example: `apex = [0, 0]`. Value: point, m. Default: required.
+    ///
+    /// wedge: Point of the ridge.
+    /// Example: `apex = [0, 0]`. Value: point, m. Default: required.
     pub apex: Option<Vector>,
-    /// cylinder, bore, sphere, socket: the centre, or a point of the axis, m, in place of apex.
+    /// cylinder, bore, sphere, socket: Centre or a point of the axis; use it in studies of the radius.
+    /// Example: `center = [0, -0.05]`. Value: point, m. Default: this or `apex`.
     pub center: Option<Vector>,
-    /// cylinder, bore, wedge: direction of the axis or ridge, at right angles to the normal; cone: from the tip into
-    /// it, the normal unless given.
+    /// cylinder, bore, wedge: Axis or ridge, at right angles to the normal.
+    /// Example: `axis = [0, 1, 0]`. Value: vector. Default: required in space.
+    ///
+    /// cone: From the tip into it.
+    /// Example: `axis = [0, 0, -1]`. Value: vector. Default: the normal.
     pub axis: Option<Vector>,
-    /// wedge: the angle by which each of its planes leans away from the body, rad.
+    /// wedge: Angle by which each plane leans away from the body.
+    /// Example: `angle = 0.1`. Value: number, rad. Default: required.
     pub angle: Option<f64>,
-    /// cone: the angle between its axis and its surface, rad.
+    /// cone: Angle between axis and surface.
+    /// Example: `half_angle = 0.5`. Value: number, rad. Default: required.
     pub half_angle: Option<f64>,
-    /// formula: the gap, m, as a formula of x, y, z (m).
+    /// formula: Gap at the position of a node.
+    /// Example: `formula = "0.5 * x^2 / 0.1"`. Value: [formula](formulas.md) of x, y, z, m. Default: required.
     pub formula: Option<String>,
-    /// table: a CSV file; surface: an STL file or a Gmsh file; relative to the scene file.
+    /// table: [Table of gaps](#tables-of-gaps), a CSV file, relative to the scene file.
+    /// Example: `file = "gaps.csv"`. Value: path. Default: required.
+    ///
+    /// surface: [STL or Gmsh file](#surfaces), relative to the scene file.
+    /// Example: `file = "die.stl"`. Value: path. Default: required.
     pub file: Option<String>,
-    /// surface: the length of the file's unit, m; 0.001 for mm. 1 unless given.
+    /// surface: Length of the file's unit; 0.001 for mm.
+    /// Example: `scale = 0.001`. Value: length, m. Default: 1, or `[units]`.
     pub scale: Option<f64>,
-    /// Gaps along one normal, unless given, or from each node to the nearest point.
+    /// Gaps along one normal, or to the nearest point (not plane, formula, table).
+    /// Example: `direction = "nearest"`. Default: `"normal"`.
     pub direction: Option<GapDirection>,
-    /// The distance that it has moved against the normal: points [time (s), distance (m)].
+    /// Out of the body, towards the obstacle. A closed rim has no mean normal.
+    /// Example: `normal = [0, -1]`. Value: vector. Default: mean outward normal of the boundary.
+    pub normal: Option<Vector>,
+    /// Direction of positive slip; needs `normal`.
+    /// Example: `tangent = [1, 0]`. Value: vector across `normal`. Default: see
+    /// [signs](../results.md#signs-and-directions).
+    pub tangent: Option<Vector>,
+    /// Motion against the normal, into the body.
+    /// Example: `approach = [[0, 0], [1, 1e-3]]`. Value: points `[time, distance]`, s, m. Default: at rest.
     pub approach: Option<Vec<Tuple<f64>>>,
     pub motion: Option<Motion>,
-    /// Direction out of the body towards the obstacle; the boundary's mean outward normal unless given.
-    pub normal: Option<Vector>,
-    /// Direction of positive slip, at right angles to the normal.
-    pub tangent: Option<Vector>,
 }
 
 /// The motion of an obstacle, as a rigid body.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "motion")]
 pub(super) struct Motion {
-    /// The translation: points [time, x, y] or [time, x, y, z], s and m.
+    /// Displacement.
+    /// Example: `motion.translation = [[1, 0, 0], [2, 1e-3, 0]]`. Value: points `[time, x, y]`, in space `[time, x,
+    /// y, z]`, s, m. Default: at rest.
     #[schemars(inner(length(min = 3, max = 4)))]
     pub translation: Option<Vec<Vec<f64>>>,
+    /// Rotation about an axis.
+    /// Example: `motion.rotation = { through = [0, 0], history = [[0, 0], [1, 0.1]] }`. Value: table, below.
+    /// Default: at rest.
     pub rotation: Option<Rotation>,
 }
 
@@ -263,10 +344,13 @@ pub(super) struct Motion {
 #[serde(deny_unknown_fields, rename = "rotation")]
 pub(super) struct Rotation {
     /// Direction of the axis; in two dimensions across the plane.
+    /// Example: `axis = [0, 0, 1]`. Value: vector. Default: required in space.
     pub axis: Option<Vector>,
-    /// A point of the axis, m.
+    /// A point of the axis.
+    /// Example: `through = [0, 0, 0]`. Value: point, m.
     pub through: Vector,
-    /// Points [time (s), angle (rad)].
+    /// Angle.
+    /// Example: `history = [[0, 0], [1, 0.1]]`. Value: points `[time, angle]`, s, rad.
     pub history: Vec<Tuple<f64>>,
 }
 
@@ -275,29 +359,41 @@ pub(super) struct Rotation {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "load")]
 pub(super) struct Load {
-    /// A boundary of the mesh.
-    pub boundary: Option<String>,
-    /// force: the place of a node, m, in place of a boundary.
-    pub point: Option<Vector>,
-    /// The name of a coupling, in place of a boundary.
-    pub coupling: Option<String>,
-    /// [x, y], in three dimensions [x, y, z], N/m², numbers or formulas of x, y, z (m).
+    /// Force per area on `boundary`.
+    /// Example: `traction = [0, -5e6]`. Value: vector of numbers or [formulas](formulas.md) of x, y, z, N/m².
     #[schemars(length(min = 2, max = 3))]
     pub traction: Option<Vec<Scalar>>,
-    /// Against the outward normal of each facet, N/m².
+    /// Pressure on `boundary`, against the outward normal of each facet.
+    /// Example: `pressure = "5e6 * (1 - y / 0.2)"`. Value: number or formula, N/m².
     pub pressure: Option<Scalar>,
-    /// Spread evenly over the boundary, at the node at the point, or at the reference point of the coupling, N.
+    /// Force spread evenly over `boundary`, at the node at `point`, or at the reference point of `coupling`.
+    /// Example: `force = [0, -1000]`. Value: vector, N.
     #[schemars(length(min = 2, max = 3))]
     pub force: Option<Vec<f64>>,
-    /// coupling: moment at its reference point, N m: a number about z in the plane, [x, y, z] in space.
+    /// Moment at the reference point of `coupling`: about z in the plane, about x, y, z in space.
+    /// Example: `moment = 50`. Value: number, N m; in space a vector.
     pub moment: Option<OneOrMany<f64>>,
-    /// Gravity, or the acceleration of the ground, m/s².
+    /// Gravity, or acceleration of the ground; needs `density`.
+    /// Example: `acceleration = [0, -9.81]`. Value: vector, m/s².
     #[schemars(length(min = 2, max = 3))]
     pub acceleration: Option<Vec<f64>>,
+    /// Steady spin about an axis, with the force `density · speed² · r`.
+    /// Example: `rotation = { through = [0, 0], speed = 300 }`. Value: table, below.
     pub rotation: Option<Spin>,
-    /// Above that at which the body is free of stress, K.
+    /// Temperature above that of the stress-free body, with the strain `expansion · temperature`.
+    /// Example: `temperature = 80`. Value: number or formula, K.
     pub temperature: Option<Scalar>,
-    /// Points [time (s), factor]; from 0 at 0 to 1 at time.end unless given.
+    /// Where a traction, pressure or force acts.
+    /// Example: `boundary = "top"`. Value: name.
+    pub boundary: Option<String>,
+    /// Node at which a force acts.
+    /// Example: `point = [0.2, 0.1]`. Value: point, m.
+    pub point: Option<Vector>,
+    /// [Coupling](coupling.md) on which a force or a moment acts.
+    /// Example: `coupling = "handle"`. Value: name.
+    pub coupling: Option<String>,
+    /// [History](time.md#histories) of the whole load; of `rotation` it multiplies the square of the speed.
+    /// Example: `history = [[0, 1]]`. Value: points `[time, factor]`, s. Default: from 0 at 0 to 1 at `time.end`.
     pub history: Option<Vec<Tuple<f64>>>,
 }
 
@@ -305,11 +401,14 @@ pub(super) struct Load {
 #[derive(Clone, Copy, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "spin")]
 pub(super) struct Spin {
-    /// Direction of the axis; in two dimensions across the plane.
+    /// Direction of the axis; in two dimensions across the plane, or the axis of revolution.
+    /// Example: `axis = [0, 0, 1]`. Value: vector. Default: required in space.
     pub axis: Option<Vector>,
-    /// A point of the axis, m; that of a body of revolution unless given.
+    /// A point of the axis.
+    /// Example: `through = [0, 0, 0]`. Value: point, m. Default: required, except for bodies of revolution.
     pub through: Option<Vector>,
-    /// Angular speed, rad/s.
+    /// Angular speed.
+    /// Example: `speed = 300`. Value: number, rad/s.
     pub speed: f64,
 }
 
@@ -317,10 +416,12 @@ pub(super) struct Spin {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "time")]
 pub(super) struct Time {
-    /// Its end, s.
+    /// End of the history, which begins at 0.
+    /// Example: `end = 2.0`. Value: number, s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub end: f64,
-    /// The number of equal increments.
+    /// Number of equal increments.
+    /// Example: `increments = 20`. Value: integer.
     #[schemars(extend("minimum" = 1))]
     pub increments: i64,
 }
@@ -329,28 +430,40 @@ pub(super) struct Time {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(default, deny_unknown_fields, rename = "solver")]
 pub(super) struct SolverTable {
-    /// The B-differentiable Newton method, unless given, an interior point method, or the exact path in time.
+    /// [Which to take](../../howto/choose-a-method.md): the B-differentiable Newton method `bn`, the interior point
+    /// method `ip`, or the [exact path in time](../../method/exact-path.md) `events`, in which increments are
+    /// output times.
+    /// Example: `method = "ip"`. Default: `"bn"`.
     pub method: MethodName,
-    /// Constants that fit themselves to the scene, unless given, or those of the paper.
-    pub setting: Option<Setting>,
-    /// The linear algebra; auto takes what is estimated to be the fastest.
+    /// Linear solver; `"auto"` takes the one estimated to be the fastest.
+    /// Example: `linear = "auto"`. Value: see below. Default: see below.
     #[schemars(with = "String", extend("enum" = LINEAR))]
     pub linear: Option<Linear>,
-    /// linear petsc: options of PETSc, as on its command line.
+    /// `linear = "petsc"`: [options of PETSc](../../howto/large-bodies.md#options-of-petsc), as on its command
+    /// line.
+    /// Example: `petsc = "-ksp_monitor"`. Value: text. Default: none.
     pub petsc: Option<String>,
-    /// ip, paper: where an increment starts. safe unless given.
-    pub start: Option<Start>,
-    /// ip, paper: which equations stay positive. products unless given.
-    pub partition: Option<Partition>,
-    /// bn, default: what r, which comes from the problem, is multiplied by. 1 unless given.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub r_factor: Option<f64>,
-    /// The most iterations an increment may take. 200 unless given.
-    #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
-    pub max_iterations: Option<i64>,
-    /// The bound that every component of the error measure must reach. 1e-10 unless given; ip, paper: 1e-6.
+    /// Limit for each relative error of the error measure.
+    /// Example: `tolerance = 1e-8`. Default: 1e-10; `ip` with `paper`: 1e-6.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub tolerance: Option<f64>,
+    /// Limit in an increment, or a substep.
+    /// Example: `max_iterations = 500`. Value: integer. Default: 200.
+    #[schemars(extend("minimum" = 1, "maximum" = 1_000_000))]
+    pub max_iterations: Option<i64>,
+    /// Constants that adapt to the scene, or those of the [paper](../../method/theory.md).
+    /// Example: `setting = "paper"`. Default: `"default"`.
+    pub setting: Option<Setting>,
+    /// `bn`, `default`: factor on r, which comes from the problem, for studies.
+    /// Example: `r_factor = 10`. Default: 1.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub r_factor: Option<f64>,
+    /// `ip`, `paper`: start of an increment.
+    /// Example: `start = "prev"`. Default: `"safe"`.
+    pub start: Option<Start>,
+    /// `ip`, `paper`: equations that stay positive, (29)–(31) or (26)–(28).
+    /// Example: `partition = "cone"`. Default: `"products"`.
+    pub partition: Option<Partition>,
 }
 
 #[derive(Clone, Copy, Default, Deserialize, JsonSchema)]
@@ -416,11 +529,18 @@ impl Document {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "body")]
 pub(super) struct BodyTable {
-    /// Its name, without a colon: its boundaries are called name:boundary.
+    /// Name of the body; its boundaries are called `roller:hub`.
+    /// Example: `name = "roller"`. Value: name without a colon.
     pub name: String,
-    /// Where the origin of its mesh is put, m; the origin unless given.
+    /// Where the origin of its mesh is placed.
+    /// Example: `at = [0.1, 0.15]`. Value: point, m. Default: origin.
     pub at: Option<Vector>,
+    /// Mesh of the body, with all keys of [`[mesh]`](mesh.md); equal `element` in all bodies.
+    /// Example: `mesh = { kind = "gmsh", file = "roller.msh" }`. Value: table.
     pub mesh: Mesh,
+    /// Material of the body, with all keys of [`[material]`](material.md) except `layers`; equal `plane` in all
+    /// bodies.
+    /// Example: `material = { young = 210e9, poisson = 0.3 }`. Value: table.
     pub material: Material,
 }
 
@@ -438,67 +558,91 @@ pub(super) enum MeshKind {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "mesh")]
 pub(super) struct Mesh {
-    /// A rectangle or a box, a rectangle that is fine at the left end of its top, a file of Gmsh, the mesh in an input
-    /// file of Abaqus or CalculiX, or a universal file (UNV) of Salome or I-DEAS.
+    /// Rectangle or box; rectangle that is fine at the left end of its top; [mesh file](#mesh-files) of Gmsh; mesh
+    /// of an input file of Abaqus or CalculiX; universal file of Salome or I-DEAS.
+    /// Example: `kind = "block"`.
     pub kind: MeshKind,
-    /// block: the lengths along x, y and, for a box, z, m, or a list of the lengths of its segments in place of one.
-    /// half-plane: [width, height], m.
-    #[schemars(length(min = 2, max = 3))]
-    pub size: Option<Vec<OneOrMany<f64>>>,
-    /// block: quadrilaterals or triangles, hexahedra, tetrahedra or prisms; names with a number of nodes are of second
-    /// order.
-    pub cells: Option<CellKind>,
-    /// gmsh, abaqus, unv: the mesh file, relative to the scene file.
-    pub file: Option<String>,
-    /// gmsh, abaqus, unv: the length of the file's unit, m; 0.001 for mm. 1 unless given.
-    pub scale: Option<f64>,
-    /// The strains of the elements: for poisson close to 0.5 b-bar, and for triangles, tetrahedra, prisms and cells of
-    /// second order nodal-volume. bilinear unless given.
-    pub element: Option<Element>,
-    /// block: numbers of elements for each length in size.
-    #[schemars(length(min = 2, max = 3))]
-    pub elements: Option<Vec<OneOrMany<i64>>>,
-    /// block: size of the last element over that of the first, for each length in size, 1e-6 to 1e6.
-    #[schemars(length(min = 2, max = 3))]
-    pub grading: Option<Vec<OneOrMany<f64>>>,
-    /// block: its lowest corner, m, such as [r, 0] of a ring of the inner radius r; the origin unless given.
-    pub origin: Option<Vector>,
-    /// half-plane: width of the boundary contact from x = 0, m.
-    pub contact_width: Option<f64>,
-    /// half-plane: equal elements along contact.
-    pub contact_elements: Option<i64>,
-    /// half-plane: equal elements along the rest of the top.
-    pub outer_elements: Option<i64>,
-    /// half-plane: layers, in geometric progression downwards.
-    pub layers: Option<i64>,
-    /// The error of the stresses in the energy norm up to which a mesh of triangles or tetrahedra refines itself; 0.02 for 2 %.
+    /// Error of the stresses in the energy norm up to which a mesh [refines
+    /// itself](#meshes-that-refine-themselves), where it has triangles or tetrahedra; 0.02 for 2 %.
+    /// Example: `refine = 0.05`.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub refine: Option<f64>,
+    /// Strains of the elements, see [nearly incompressible materials](#nearly-incompressible-materials): for
+    /// `poisson` close to 0.5 `b-bar`, and for triangles, tetrahedra, prisms and cells of second order
+    /// `nodal-volume`.
+    /// Example: `element = "b-bar"`. Default: `"bilinear"`.
+    pub element: Option<Element>,
+    /// block: Lengths along x, y and z. A list in place of a length gives segments.
+    /// Example: `size = [0.2, 0.1]`. Value: 2 or 3 lengths, m. Default: required.
+    ///
+    /// half-plane: Width and height.
+    /// Example: `size = [1.0, 1.0]`. Value: 2 lengths, m. Default: required.
+    #[schemars(length(min = 2, max = 3))]
+    pub size: Option<Vec<OneOrMany<f64>>>,
+    /// block: Elements along each length or segment.
+    /// Example: `elements = [40, 20]`. Value: 2 or 3 integers. Default: required.
+    #[schemars(length(min = 2, max = 3))]
+    pub elements: Option<Vec<OneOrMany<i64>>>,
+    /// block: Size of the last element over that of the first, in geometric progression.
+    /// Example: `grading = [1, 0.2]`. Value: 2 or 3 numbers, 1e-6 to 1e6. Default: 1.
+    #[schemars(length(min = 2, max = 3))]
+    pub grading: Option<Vec<OneOrMany<f64>>>,
+    /// block: Lowest corner, such as `[r, 0]` of a ring with the inner radius r.
+    /// Example: `origin = [0.1, 0]`. Value: point, m. Default: origin.
+    pub origin: Option<Vector>,
+    /// block: Shape of the elements; names with a number of nodes are of second order.
+    /// Example: `cells = "triangle6"`. Value: see below. Default: quadrilaterals, hexahedra.
+    pub cells: Option<CellKind>,
+    /// half-plane: Width of `contact`, from x = 0.
+    /// Example: `contact_width = 0.1`. Value: length, m. Default: required.
+    pub contact_width: Option<f64>,
+    /// half-plane: Equal elements along `contact`.
+    /// Example: `contact_elements = 40`. Value: integer. Default: required.
+    pub contact_elements: Option<i64>,
+    /// half-plane: Equal elements along the rest of the top.
+    /// Example: `outer_elements = 20`. Value: integer. Default: required.
+    pub outer_elements: Option<i64>,
+    /// half-plane: Layers in geometric progression downwards, the top one square in the contact zone.
+    /// Example: `layers = 30`. Value: integer. Default: required.
+    pub layers: Option<i64>,
+    /// gmsh, abaqus, unv: Mesh file, relative to the scene file.
+    /// Example: `file = "part.msh"`. Value: path. Default: required.
+    pub file: Option<String>,
+    /// gmsh, abaqus, unv: Length of the file's unit; 0.001 for mm.
+    /// Example: `scale = 0.001`. Value: length, m. Default: 1, or `[units]`.
+    pub scale: Option<f64>,
 }
 
 /// The isotropic linear elastic material; in two dimensions of unit thickness.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "material")]
 pub(super) struct Material {
-    /// Young's modulus, Pa.
+    /// Young's modulus.
+    /// Example: `young = 210e9`. Value: number, Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
     /// Poisson's ratio.
+    /// Example: `poisson = 0.3`.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
-    /// Two dimensions: plane strain, unless given, plane stress, or half the section of a body of revolution about x =
-    /// 0.
+    /// Plane body, or half the section of a body of revolution about x = 0.
+    /// Example: `plane = "stress"`. Default: `"strain"`.
     pub plane: Option<Plane>,
-    /// Plane bodies: the thickness, m; forces, moments and energies are then those of the whole body, otherwise per
-    /// unit of depth.
+    /// Thickness of a plane body, equal in all bodies. Forces, moments, point springs and energies of scene and
+    /// results are then those of the whole body.
+    /// Example: `thickness = 0.02`. Value: length, m. Default: unit depth.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: Option<f64>,
-    /// Mass density, kg/m³; needed by loads that act on the mass.
+    /// Mass density, for the loads `acceleration` and `rotation`.
+    /// Example: `density = 7850`. Value: number, kg/m³.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K; needed by loads by temperature.
+    /// Coefficient of thermal expansion, for the load `temperature`; bodies that stay cold need none.
+    /// Example: `expansion = 12e-6`. Value: number, 1/K.
     pub expansion: Option<f64>,
-    /// Horizontal layers from the bottom up, each [thickness (m), young (Pa), poisson].
+    /// Layers from the bottom up (along y, in space z). An element belongs to the layer at its centre; above them
+    /// is the material itself.
+    /// Example: `layers = [[0.01, 70e9, 0.33]]`. Value: list of `[thickness, young, poisson]`, m, Pa, –.
     #[serde(default)]
     pub layers: Vec<Tuple<f64, 3>>,
     /// The materials of groups of elements; other groups are of the material itself.
@@ -510,25 +654,35 @@ pub(super) struct Material {
 #[derive(Deserialize, JsonSchema, Default)]
 #[serde(default, deny_unknown_fields, rename = "output")]
 pub(super) struct Output {
-    /// Times (s) whose contact lines or surfaces are written, each at the first increment that reaches it, 0 before the
-    /// first; or all, the beginning and every increment. The end unless given.
+    /// Times of contact tables and pictures, at the first increment that reaches each; 0 is the undeformed body;
+    /// `"all"`: 0 and every increment.
+    /// Example: `times = [0, 1.0, 2.0]`. Value: list of times, s, or `"all"`. Default: `[end]`; none with `every`.
     #[schemars(with = "Value", extend("anyOf" = [{"const": "all"}, {"type": "array", "items": {"type": "number", "minimum": 0}}]))]
     pub times: Option<Times>,
-    /// Every so many increments, and the last, are written besides.
+    /// Also every so many increments, and the last. Not with `"all"`.
+    /// Example: `every = 10`. Value: integer.
     #[schemars(extend("minimum" = 1))]
     pub every: Option<i64>,
-    /// true if the fields of the body are written for the same times.
+    /// Fields for ParaView at these times.
+    /// Example: `fields = true`. Default: `false`.
     pub fields: bool,
-    /// true if pictures of the deformed body are drawn for the same times.
+    /// Pictures of the deformed body at these times.
+    /// Example: `deformed = true`. Default: `false`.
     pub deformed: bool,
-    /// The magnification of displacements there; chosen unless given.
+    /// Their factor on displacements. Automatic: 1, 2 or 5 times a power of ten, at least 1, with which the longest
+    /// is at most a twentieth of the body.
+    /// Example: `magnification = 100`. Default: automatic.
     #[schemars(extend("minimum" = 0))]
     pub magnification: Option<f64>,
-    /// The load cycle whose slip, friction work and stresses are written: the times of its beginning and its end, s, or
-    /// last, the one that ends with the history.
+    /// Load cycle whose slip, friction work and stresses are written to [`cycle.csv`](../results.md#columns) and
+    /// `run.json`. Increments end at both times. `"last"`: the last whole cycle. It ends with the last increment in
+    /// which a load changes, and begins one period earlier: loads, motions and friction factors have the same
+    /// values there, and change in the same direction.
+    /// Example: `cycle = [1.0, 2.0]`. Value: two times, s, or `"last"`.
     #[schemars(with = "Value", extend("anyOf" = [{"const": "last"}, {"type": "array", "minItems": 2, "maxItems": 2, "items": {"type": "number", "minimum": 0}}]))]
     pub cycle: Option<Cycle>,
-    /// Archard's coefficient for the wear depth of the cycle, 1/Pa: depth = coefficient · ∫ pressure d(slip path).
+    /// Archard's coefficient k: `cycle.csv` has the wear depth of the cycle, k ∫ pressure d(slip path).
+    /// Example: `wear_coefficient = 1e-14`. Value: number, 1/Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub wear_coefficient: Option<f64>,
     /// Points whose displacements and stresses are written in every increment.
@@ -539,15 +693,20 @@ pub(super) struct Output {
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, rename = "probe")]
 pub(super) struct Probe {
-    /// The name of its file.
+    /// Part of the file name, `probe_root.csv`.
+    /// Example: `name = "root"`. Value: text.
     pub name: String,
-    /// The point, m.
+    /// The point.
+    /// Example: `point = [0.1, 0.05]`. Value: point, m. Default: this or a line.
     pub point: Option<Vector>,
-    /// The first point of a line, m.
+    /// First point of a line.
+    /// Example: `from = [0, 0.05]`. Value: point, m.
     pub from: Option<Vector>,
-    /// The last point of a line, m.
+    /// Last point of the line.
+    /// Example: `to = [0.2, 0.05]`. Value: point, m.
     pub to: Option<Vector>,
-    /// The number of points on the line, its ends included.
+    /// Equally spaced points, ends included.
+    /// Example: `points = 21`. Value: integer.
     #[schemars(extend("minimum" = 2, "maximum" = 10_000))]
     pub points: Option<i64>,
 }

@@ -33,18 +33,23 @@ pub struct Material {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, rename = "material_group")]
 pub struct MaterialGroup {
-    /// The group of the mesh.
+    /// Physical group of the Gmsh file; a block is the one group `body`.
+    /// Example: `name = "core"`. Value: name.
     pub name: String,
-    /// Young's modulus, Pa.
+    /// Young's modulus.
+    /// Example: `young = 70e9`. Value: number, Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
-    /// Poisson's ratio, in (-1, 0.5).
+    /// Poisson's ratio.
+    /// Example: `poisson = 0.33`.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
-    /// Mass density, kg/m³; default: that of the main material.
+    /// Mass density.
+    /// Example: `density = 2700`. Value: number, kg/m³. Default: of `[material]`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K; default: that of the main material.
+    /// Coefficient of thermal expansion.
+    /// Example: `expansion = 23e-6`. Value: number, 1/K. Default: of `[material]`.
     pub expansion: Option<f64>,
 }
 
