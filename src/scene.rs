@@ -60,9 +60,6 @@ pub struct Scene {
     pub time: Time,
     /// The method, its constants and the linear algebra.
     pub solver: SolverChoice,
-    /// The key that asks for a method that knows one tangent a node only, if one does: ip in the setting
-    /// `paper`.
-    pub one_tangent_key: Option<&'static str>,
     /// The options of PETSc, as on its command line.
     pub petsc: String,
     /// What to write.

@@ -19,7 +19,7 @@ use crate::body::description::{CouplingKind, Slave};
 use crate::body::fem::{Element, MaterialGroup, Plane};
 use crate::body::mesh::CellKind;
 use crate::solver::formulation::Partition;
-use crate::solver::history::{LinearAlgebra, UnknownLinearAlgebra};
+use crate::solver::history::{LinearAlgebra, Start};
 
 /// An elastic body, its supports, obstacles and loads, and how to solve it. SI units, unless units says otherwise.
 #[derive(Deserialize, JsonSchema)]
@@ -437,8 +437,10 @@ pub(super) struct SolverTable {
     pub method: MethodName,
     /// Linear solver; `"auto"` takes the one estimated to be the fastest.
     /// Example: `linear = "auto"`. Value: see below. Default: see below.
+    #[serde(deserialize_with = "linear")]
     #[schemars(with = "String", extend("enum" = LINEAR))]
-    pub linear: Option<Linear>,
+    #[allow(clippy::option_option)]
+    pub linear: Option<Option<LinearAlgebra>>,
     /// `linear = "petsc"`: [options of PETSc](../../howto/large-bodies.md#options-of-petsc), as on its command
     /// line.
     /// Example: `petsc = "-ksp_monitor"`. Value: text. Default: none.
@@ -460,6 +462,8 @@ pub(super) struct SolverTable {
     pub r_factor: Option<f64>,
     /// `ip`, `paper`: start of an increment.
     /// Example: `start = "prev"`. Default: `"safe"`.
+    #[serde(deserialize_with = "start")]
+    #[schemars(with = "String", extend("enum" = STARTS))]
     pub start: Option<Start>,
     /// `ip`, `paper`: equations that stay positive, (29)–(31) or (26)–(28).
     /// Example: `partition = "cone"`. Default: `"products"`.
@@ -483,26 +487,24 @@ pub(super) enum Setting {
     Default,
 }
 
-#[derive(Clone, Copy, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub(super) enum Start {
-    Safe,
-    Prev,
+/// Reads `solver.start`.
+fn start<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Start>, D::Error> {
+    match &*String::deserialize(deserializer)? {
+        "safe" => Ok(Some(Start::Safe)),
+        "prev" => Ok(Some(Start::PREV)),
+        other => Err(de::Error::unknown_variant(other, &STARTS)),
+    }
 }
 
-/// The linear algebra; `None` for `auto`.
-#[derive(Clone, Copy)]
-pub(super) struct Linear(pub Option<LinearAlgebra>);
+/// The words of `solver.start`.
+const STARTS: [&str; 2] = ["safe", "prev"];
 
-impl<'de> Deserialize<'de> for Linear {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let word = String::deserialize(deserializer)?;
-        if word == "auto" {
-            return Ok(Linear(None));
-        }
-        let known = word.parse().map(|linear| Linear(Some(linear)));
-        known.map_err(|UnknownLinearAlgebra| de::Error::unknown_variant(&word, &LINEAR))
-    }
+/// Reads `solver.linear`; `None` in it for `auto`.
+#[allow(clippy::option_option)] // The outer one tells whether the key is given.
+fn linear<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<LinearAlgebra>>, D::Error> {
+    let word = String::deserialize(deserializer)?;
+    let known = if word == "auto" { Ok(None) } else { word.parse().map(Some) };
+    known.map(Some).map_err(|_| de::Error::unknown_variant(&word, &LINEAR))
 }
 
 /// The words of `solver.linear`.

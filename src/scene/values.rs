@@ -15,12 +15,6 @@ use serde::{Deserialize, Deserializer, de};
 #[schemars(inline, with = "Vec<T>", extend("minItems" = N, "maxItems" = N))]
 pub(super) struct Tuple<T, const N: usize = 2>(pub [T; N]);
 
-impl<T: fmt::Debug, const N: usize> fmt::Debug for Tuple<T, N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
 impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     type Error = String;
 

@@ -1,7 +1,7 @@
 //! The output of a scene.
 
 use super::{Reader, given, needed, reject_keys};
-use crate::base::input_error::{InputError, ensure, finite};
+use crate::base::input_error::{InputError, each, ensure, finite};
 use crate::base::units::Quantity;
 use crate::body::description::{CycleChoice, CycleRequest, Probe, ProbePlace};
 use crate::scene::document::{self, Times};
@@ -41,11 +41,7 @@ pub(super) fn output(given: document::Output, time: &Time, reader: Reader<'_>) -
             return Err(InputError::new(key, message, "add output.deformed = true, or remove the key"));
         }
     }
-    let probes = probe.into_iter().enumerate().map(|(k, given)| {
-        let key = format!("output.probe[{k}]");
-        self::probe(given, reader).map_err(|fault| fault.with_key(&key))
-    });
-    let probes: Vec<Probe> = probes.collect::<Result<_, _>>()?;
+    let probes: Vec<Probe> = each("output.probe", probe, |_, given| self::probe(given, reader))?;
     Probe::check(&probes)?;
     let wear_coefficient = wear_coefficient.map(|k| k / reader.si(Quantity::Stress, 1.0));
     let cycle = self::cycle(cycle, wear_coefficient, time).map_err(in_output)?;

@@ -2,17 +2,12 @@
 
 use super::{given, only};
 use crate::algebra::linear::SparseLu;
-use crate::base::input_error::{InputError, ensure, finite};
-use crate::scene::document::{self, Linear, MethodName, Setting};
+use crate::base::input_error::{InputError, ensure, finite, positive};
+use crate::scene::document::{self, MethodName, Setting};
 use crate::solver::history::{HistoryMethod, LinearAlgebra, Method, SolverChoice, Start};
 
 const NOTHING_BUILT_IN: &str = "this build has no linear algebra to choose from";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
-
-/// Returns the key that selects `method`, if that method supports only one tangent for each node.
-pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
-    matches!(method, Method::PaperIp { .. }).then_some("solver.setting")
-}
 
 /// Converts `given` to a choice of the solver; `touches` is `true` if the scene has contacts.
 pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<SolverChoice, InputError> {
@@ -40,10 +35,10 @@ pub(super) fn petsc(given: &document::SolverTable, solver: &SolverChoice) -> Res
     Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))
 }
 
-fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+fn linear(given: Option<Option<LinearAlgebra>>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
-    let Some(Linear(given)) = given else {
+    let Some(given) = given else {
         // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
         let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
         return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
@@ -58,12 +53,11 @@ fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>,
     };
     let missing = match linear {
         linear if linear.is_built_in() => return Ok(Some(linear)),
-        LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK".to_string(),
-        LinearAlgebra::Whole(SparseLu::Mumps) => "MUMPS".to_string(),
-        LinearAlgebra::Whole(SparseLu::Faer) => "faer".to_string(),
-        LinearAlgebra::Multigrid => "PETSc, which multigrid is of".to_string(),
-        LinearAlgebra::Petsc => "PETSc".to_string(),
-        condensed => format!("Cholesky factorisation, which \"{condensed}\" needs"),
+        LinearAlgebra::Whole(SparseLu::Umfpack) => "UMFPACK",
+        LinearAlgebra::Whole(SparseLu::Mumps) => "MUMPS",
+        LinearAlgebra::Whole(SparseLu::Faer) => "faer",
+        LinearAlgebra::Multigrid | LinearAlgebra::Petsc => "PETSc",
+        LinearAlgebra::Whole(SparseLu::Partial) | LinearAlgebra::Condensed(_) => "Cholesky factorisation",
     };
     let help = match linear {
         _ if !whole.is_built_in() => BUILD_IT.to_string(),
@@ -76,40 +70,31 @@ fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>,
 }
 
 fn method(solver: &document::SolverTable) -> Result<HistoryMethod, InputError> {
-    let setting = solver.setting.unwrap_or_default();
-    let (whose, own): (_, &[_]) = match (solver.method, setting) {
-        (MethodName::Ip, Setting::Paper) => ("the method ip", &["start", "partition", "max_iterations"]),
-        (MethodName::Ip, Setting::Default) => {
-            ("the method ip has a start and a partition in the setting paper only; here it", &["max_iterations"])
+    let (method, whose, own): (HistoryMethod, _, &[_]) = match (solver.method, solver.setting.unwrap_or_default()) {
+        (MethodName::Ip, Setting::Paper) => {
+            let (start, partition) = (solver.start.unwrap_or(Start::Safe), solver.partition.unwrap_or_default());
+            (Method::PaperIp { start, partition }.into(), "the method ip", &["start", "partition", "max_iterations"])
         }
-        (MethodName::Bn, Setting::Paper) => ("the method bn in the setting paper", &["max_iterations"]),
-        (MethodName::Bn, Setting::Default) => ("the method bn", &["r_factor", "max_iterations"]),
+        (MethodName::Ip, Setting::Default) => {
+            let whose = "the method ip has a start and a partition in the setting paper only; here it";
+            (Method::Ip.into(), whose, &["max_iterations"])
+        }
+        (MethodName::Bn, Setting::Paper) => {
+            (Method::PaperBn.into(), "the method bn in the setting paper", &["max_iterations"])
+        }
+        (MethodName::Bn, Setting::Default) => {
+            let r_factor = solver.r_factor.unwrap_or(1.0);
+            let help = "r comes from the problem; this multiplies it, for studies of r alone";
+            positive("solver.r_factor", r_factor, help)?;
+            (Method::Bn { r_factor, rescue: true }.into(), "the method bn", &["r_factor", "max_iterations"])
+        }
         (MethodName::Events, Setting::Paper) => {
             let help = "the exact path has no constants of the paper: leave solver.setting out";
             return Err(InputError::new("solver.setting", "the method events has no setting paper", help));
         }
-        (MethodName::Events, Setting::Default) => ("the method events", &[]),
+        (MethodName::Events, Setting::Default) => (HistoryMethod::ExactPath, "the method events", &[]),
     };
     let keys = given!(solver; start partition r_factor max_iterations);
     only(whose, own, keys).map_err(|fault| fault.with_key("solver"))?;
-    Ok(match (solver.method, setting) {
-        (MethodName::Ip, Setting::Paper) => {
-            let start = if let Some(document::Start::Prev) = solver.start { Start::PREV } else { Start::Safe };
-            Method::PaperIp { start, partition: solver.partition.unwrap_or_default() }.into()
-        }
-        (MethodName::Ip, Setting::Default) => Method::Ip.into(),
-        (MethodName::Bn, Setting::Paper) => Method::PaperBn.into(),
-        (MethodName::Bn, Setting::Default) => {
-            Method::Bn { r_factor: checked_factor(solver.r_factor)?, rescue: true }.into()
-        }
-        (MethodName::Events, _) => HistoryMethod::ExactPath,
-    })
-}
-
-fn checked_factor(given: Option<f64>) -> Result<f64, InputError> {
-    let factor = given.unwrap_or(1.0);
-    finite("solver.r_factor", factor)?;
-    let help = "r comes from the problem; this multiplies it, for studies of r alone";
-    ensure(factor > 0.0, "solver.r_factor", &factor, "positive", help)?;
-    Ok(factor)
+    Ok(method)
 }
