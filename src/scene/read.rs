@@ -1,5 +1,5 @@
-//! Conversion of the deserialised tables to a scene. This module checks which keys belong to which kind of table; the
-//! types that use the values check their ranges. Numbers become SI here, each where its key is read.
+//! The tables of a scene, and what they become. This module checks which keys belong to which kind of table; the types
+//! that use the values check their ranges. Numbers become SI here, each where its key is read.
 
 mod action;
 mod bodies;
@@ -9,9 +9,12 @@ mod solver;
 
 use std::path::Path;
 
-use super::document::{self, Document, Scalar, Tuple};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
 use super::error::Source;
-use super::{Scene, SceneError, Time};
+use super::values::{OneOrMany, Scalar, TimesOr, Tuple};
+use super::{Scene, SceneError, Time, syntax};
 use crate::algebra::vector::Vector;
 use crate::base::formula::{Field, Formula, FormulaUnits};
 use crate::base::input_error::{InputError, each, ensure, positive};
@@ -19,7 +22,44 @@ use crate::base::timeline::with_further_ends;
 use crate::base::units::{Depth, Quantity, UnitSystem, Units};
 use crate::body::description::Description;
 use crate::body::fem::Material;
-use bodies::Bodies;
+use action::{CouplingTable, LoadTable, PretensionTable, SpringTable, SupportTable};
+use bodies::{Bodies, BodyTable, MeshTable};
+use contact::ContactTable;
+use output::OutputTable;
+use solver::SolverTable;
+
+/// An elastic body, its supports, obstacles and loads, and how to solve it. SI units, unless units says otherwise.
+#[derive(Default, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+#[schemars(title = "A scene of stickslip", extend("required" = ["time"],
+    "oneOf" = [{"required": ["mesh", "material"]}, {"required": ["body"]}]))]
+pub(super) struct Document {
+    /// A line for headings; the file's name unless given.
+    title: Option<String>,
+    /// The units of all numbers of the scene, its meshes and tables, and of its results, in place of those named below:
+    /// others follow from these, force as stress · length². Time is in s, temperature in K, angles are in rad.
+    units: Units,
+    mesh: Option<MeshTable>,
+    material: Option<Material>,
+    /// Several bodies, in place of mesh and material; boundaries are called name:boundary.
+    #[schemars(length(min = 1))]
+    body: Vec<BodyTable>,
+    /// Reference points that move with a boundary or a body.
+    coupling: Vec<CouplingTable>,
+    /// Where the body is held.
+    support: Vec<SupportTable>,
+    /// Boundaries that can touch an obstacle, each at most once, or another boundary.
+    contact: Vec<ContactTable>,
+    /// Bolts that are tightened across a section between two glued parts.
+    pretension: Vec<PretensionTable>,
+    /// Springs and elastic foundations.
+    spring: Vec<SpringTable>,
+    /// The loads of the body, which add up.
+    load: Vec<LoadTable>,
+    time: Option<Time>,
+    solver: SolverTable,
+    output: OutputTable,
+}
 
 /// Lists optional keys of a table, each with `true` if it is given. Messages name them behind the prefix `under`, such
 /// as `obstacle.`.
@@ -49,15 +89,18 @@ pub(super) fn scene(source: &Source) -> Result<Scene, SceneError> {
 }
 
 fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
-    let mut document = Document::parse(reader.source)?;
-    let bodies = bodies::bodies(&mut document, reader).map_err(|fault| reader.source.located(fault))?;
+    let parsed = toml::from_str(&reader.source.text);
+    let mut document: Document = parsed.map_err(|error| syntax::error(error, reader.source))?;
+    let locate = |fault| reader.source.located(fault);
+    let time = document.time.take().ok_or_else(|| missing("time")).map_err(locate)?;
+    let bodies = bodies::bodies(&mut document, reader).map_err(locate)?;
     let source = Source { material_keys: bodies.keys.clone(), ..reader.source.clone() };
-    checked(document, bodies, Reader { source: &source, ..reader }).map_err(|fault| source.located(fault))
+    checked(document, time, bodies, Reader { source: &source, ..reader }).map_err(|fault| source.located(fault))
 }
 
-fn checked(document: Document, bodies: Bodies, reader: Reader<'_>) -> Result<Scene, InputError> {
+fn checked(document: Document, mut time: Time, bodies: Bodies, reader: Reader<'_>) -> Result<Scene, InputError> {
     let Bodies { mesh, element, refine, material, .. } = bodies;
-    let mut time = time(&document.time)?;
+    check_time(&time)?;
     let mut description = Description {
         mesh,
         element,
@@ -74,7 +117,7 @@ fn checked(document: Document, bodies: Bodies, reader: Reader<'_>) -> Result<Sce
     description.check()?;
     let is_further = |t: &f64| description.times.binary_search_by(|end| end.total_cmp(t)).is_err();
     let of_cycle = match &document.output.cycle {
-        Some(document::Cycle::Between(times)) => times.iter().copied().filter(|t| *t > 0.0 && *t <= time.end).collect(),
+        Some(TimesOr::Times(times)) => times.iter().copied().filter(|t| *t > 0.0 && *t <= time.end).collect(),
         _ => Vec::new(),
     };
     let ends = with_further_ends(&description.ends_at_kinks(&description.times), of_cycle);
@@ -145,6 +188,12 @@ fn needed<T>(name: &str, value: Option<T>, kind: &str, whose: &str) -> Result<T,
     value.ok_or_else(|| InputError::new(kind, format!("{whose} needs {name}"), "add the key"))
 }
 
+/// The error of a scene without the table `table`.
+fn missing(table: &str) -> InputError {
+    let help = "add the key; `stickslip init block` shows a complete scene";
+    InputError::new("", format!("missing field `{table}`"), help)
+}
+
 /// Fails if one of `keys` is given, which do not belong to `whose`.
 fn reject_keys(whose: &str, keys: &[(&str, bool)]) -> Result<(), InputError> {
     only(whose, &[], keys)
@@ -172,13 +221,11 @@ fn at_most_one(whose: &str, keys: &[(&str, bool)], help: &str) -> Result<(), Inp
 /// The cure where two keys exclude each other.
 const KEEP_ONE: &str = "keep one of them";
 
-fn time(time: &document::Time) -> Result<Time, InputError> {
-    let document::Time { end, increments } = *time;
-    positive("time.end", end, "the history runs from 0 to this time, s")?;
+fn check_time(time: &Time) -> Result<(), InputError> {
+    positive("time.end", time.end, "the history runs from 0 to this time, s")?;
     let help = "the history is divided into this many equal increments";
-    let is_valid = (1..=10_000_000).contains(&increments);
-    ensure(is_valid, "time.increments", &increments, "at least 1 and at most 10 million", help)?;
-    Ok(Time { end, increments: increments as usize, kinks: Vec::new() })
+    let is_valid = (1..=10_000_000).contains(&time.increments);
+    ensure(is_valid, "time.increments", &time.increments, "at least 1 and at most 10 million", help)
 }
 
 fn points(given: Vec<Tuple<f64>>) -> Vec<[f64; 2]> {

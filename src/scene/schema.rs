@@ -4,21 +4,15 @@ use schemars::transform::{RecursiveTransform, Transform};
 use schemars::{Schema, schema_for};
 use serde_json::{Value, json};
 
-use super::document::Document;
+use super::read::Document;
 
 /// Returns the JSON Schema (draft 2020-12) of a scene, for editors that complete and check TOML. What depends on several
 /// keys at once only the reader of scenes checks.
 pub fn schema() -> Value {
-    let mut schema = with_links();
-    RecursiveTransform(without_links).transform(&mut schema);
-    schema.to_value()
-}
-
-/// Returns the schema with descriptions in Markdown, whose links are those of the pages below doc/reference/scene.
-fn with_links() -> Schema {
     let mut schema = schema_for!(Document);
     RecursiveTransform(simplify).transform(&mut schema);
-    schema
+    RecursiveTransform(without_links).transform(&mut schema);
+    schema.to_value()
 }
 
 /// Removes null, which TOML does not have, and formats of numbers; makes one list of the words of a key.
@@ -57,7 +51,7 @@ fn simplify(schema: &mut Schema) {
     }
 }
 
-/// Leaves the words of links alone.
+/// Leaves the words of the links in descriptions, whose targets are those of the pages below doc/reference/scene.
 fn without_links(schema: &mut Schema) {
     let Some(Value::String(text)) = schema.get_mut("description") else { return };
     while let Some((before, (_, after))) = text.split_once("](").and_then(|(b, a)| Some((b, a.split_once(')')?))) {
@@ -73,9 +67,7 @@ mod tests {
     use std::fs;
     use std::path::Path;
 
-    use serde_json::Value;
-
-    use super::with_links;
+    use super::*;
 
     /// A row of a table of keys.
     struct Row {
@@ -190,7 +182,9 @@ mod tests {
     /// The keys are described in one place, the tables of a scene. With `PAGES=write` this test writes the pages.
     #[test]
     fn the_pages_have_the_rows_of_the_schema() {
-        let schema = with_links().to_value();
+        let mut schema = schema_for!(Document);
+        RecursiveTransform(simplify).transform(&mut schema);
+        let schema = schema.to_value();
         let (mut known, mut differ) = (BTreeSet::new(), Vec::new());
         for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("doc/reference/scene")).unwrap() {
             let path = entry.unwrap().path();

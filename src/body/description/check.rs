@@ -1,9 +1,9 @@
-//! Checks of the values of a description, individually and in combination.
+//! Checks of a description, entry by entry, and of its entries in combination.
 
-use super::{Action, Against, Contact, Description, Opposite};
+use super::{Action, Description};
 use crate::base::formula::{Field, Formula};
-use crate::base::input_error::{InputError, each, ensure, finite};
-use crate::base::timeline::{check_points, check_times};
+use crate::base::input_error::{InputError, each};
+use crate::base::timeline::check_times;
 use crate::body::contact::Shape;
 use crate::body::fem::{Element, Plane};
 
@@ -67,55 +67,5 @@ impl Description {
             Field::Uniform(_) => None,
         }));
         formulas
-    }
-}
-
-impl Contact {
-    /// Checks a contact, also against the `earlier` ones.
-    fn check(&self, earlier: &[Contact]) -> Result<(), InputError> {
-        if earlier.iter().any(|other| other.boundary == self.boundary) {
-            let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
-            let help = match self.opposite() {
-                None => "keep one [[contact]] for each boundary",
-                Some(_) => {
-                    "keep one [[contact]] for each boundary: against may be a list of all that is in front of it"
-                }
-            };
-            return Err(InputError::new("boundary", message, help));
-        }
-        if let Field::Uniform(coefficient) = self.friction {
-            finite("friction", coefficient)?;
-            let help = "give Coulomb's coefficient, 0 for a frictionless contact";
-            ensure(coefficient >= 0.0, "friction", &coefficient, "0 or more", help)?;
-        }
-        if let Some(history) = &self.friction_history {
-            check_points("friction_history", "factor", history)?;
-            let is_valid = history.iter().all(|point| point[1] >= 0.0);
-            ensure(is_valid, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
-        }
-        match &self.against {
-            Against::Boundary(opposite) => self.check_opposite(opposite),
-            Against::Obstacles(obstacles) => match &obstacles[..] {
-                [] => {
-                    let message = format!("there is no obstacle in front of `{}`", self.boundary);
-                    Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"))
-                }
-                [obstacle] => obstacle.check().map_err(|fault| fault.with_key("obstacle")),
-                all => each("obstacle", all, |_, obstacle| obstacle.check()).map(drop),
-            },
-        }
-    }
-
-    fn check_opposite(&self, opposite: &Opposite) -> Result<(), InputError> {
-        opposite.check()?;
-        if opposite.boundaries.contains(&self.boundary) {
-            let message = format!("the boundary `{}` is against itself", self.boundary);
-            return Err(InputError::new("against", message, "name the boundary that is in front of it"));
-        }
-        if opposite.glued && (self.friction != Field::Uniform(0.0) || self.friction_history.is_some()) {
-            let help = "remove the friction, or glue";
-            return Err(InputError::new("friction", "what is glued does not slide, so that it has no friction", help));
-        }
-        Ok(())
     }
 }
