@@ -239,13 +239,7 @@ fn a_ring_on_a_shaft_in_parts() {
     let half = 0.5_f64.sqrt();
     let mut parts = base;
     for (k, normal) in [[-half, -half], [half, -half], [half, half], [-half, half]].into_iter().enumerate() {
-        let name = format!("q{k}");
-        parts.contacts.push(Contact {
-            boundary: name,
-            friction: 0.3.into(),
-            friction_history: None,
-            against: shaft(normal).into(),
-        });
+        parts = parts.contact(&format!("q{k}"), 0.3, shaft(normal));
     }
     // A facet may be of one contact only: it would count twice.
     let error = Model::build(&parts.clone().contact("bore", 0.3, shaft([-1.0, 0.0]))).unwrap_err().to_string();
