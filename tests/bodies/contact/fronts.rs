@@ -1,7 +1,6 @@
 //! What is in front of a boundary: obstacles smaller than it, several of them, boundaries that share nodes.
 
 use crate::common::prelude::*;
-use stickslip::body::Contact;
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 
