@@ -24,7 +24,6 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-mod document;
 mod error;
 mod overrides;
 mod provenance;
@@ -34,6 +33,8 @@ mod syntax;
 mod values;
 
 use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
 
 pub use crate::base::input::{Contents, with_contents};
 pub use error::{Located, SceneError};
@@ -60,9 +61,6 @@ pub struct Scene {
     pub time: Time,
     /// The method, its constants and the linear algebra.
     pub solver: SolverChoice,
-    /// The key that asks for a method that knows one tangent a node only, if one does: ip in the setting
-    /// `paper`.
-    pub one_tangent_key: Option<&'static str>,
     /// The options of PETSc, as on its command line.
     pub petsc: String,
     /// What to write.
@@ -70,14 +68,20 @@ pub struct Scene {
     source: Source,
 }
 
-/// The time of the history, which starts at 0.
-#[derive(Debug, Clone, PartialEq)]
+/// The history, which starts at 0.
+#[derive(Debug, Clone, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, rename = "time")]
 pub struct Time {
-    /// The end, s.
+    /// End of the history, which begins at 0.
+    /// Example: `end = 2.0`. Value: number, s.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub end: f64,
-    /// The number of equal increments.
+    /// Number of equal increments.
+    /// Example: `increments = 20`. Value: integer.
+    #[schemars(extend("minimum" = 1))]
     pub increments: usize,
     /// Where increments end besides, s: kinks of histories at which none of the equal ones ends.
+    #[serde(skip)]
     pub kinks: Vec<f64>,
 }
 

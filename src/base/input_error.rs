@@ -24,11 +24,25 @@ impl InputError {
         InputError { key: key.into(), message: message.into(), help: help.into() }
     }
 
-    /// Prefixes the key with `parent`, the key of the containing value.
+    /// Prefixes the key with `parent`, the key of the containing value, which an empty key stands for.
     #[must_use]
     pub fn with_key(self, parent: &str) -> Self {
-        InputError { key: format!("{parent}.{}", self.key), ..self }
+        let key = if self.key.is_empty() { parent.to_string() } else { format!("{parent}.{}", self.key) };
+        InputError { key, ..self }
     }
+}
+
+/// Takes each entry of a `list` with its number; an error names its key.
+///
+/// # Errors
+/// The first one of `take`.
+pub(crate) fn each<T, U>(
+    list: &str,
+    all: impl IntoIterator<Item = T>,
+    mut take: impl FnMut(usize, T) -> Result<U, InputError>,
+) -> Result<Vec<U>, InputError> {
+    let one = |(k, entry)| take(k, entry).map_err(|fault| fault.with_key(&format!("{list}[{k}]")));
+    all.into_iter().enumerate().map(one).collect()
 }
 
 /// Returns an error unless `is_valid`, with the `value` of `key` and the condition `must`.

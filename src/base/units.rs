@@ -47,9 +47,11 @@ fn power_of_two(x: f64) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, rename = "units")]
 pub struct Units {
-    /// The unit of length.
+    /// Unit of length.
+    /// Example: `length = "mm"`.
     pub length: LengthUnit,
-    /// The unit of stress.
+    /// Unit of stress.
+    /// Example: `stress = "MPa"`.
     pub stress: StressUnit,
 }
 

@@ -2,6 +2,7 @@
 //! into the same values.
 
 mod check;
+mod contact;
 mod coupling;
 mod kinks;
 mod load;
@@ -10,6 +11,7 @@ mod pretension;
 mod recorded;
 mod support;
 
+pub use contact::{Against, Contact};
 pub use coupling::{Coupling, CouplingKind, Part};
 pub use kinks::Kinks;
 pub use load::{Action, Load, Where};
@@ -93,63 +95,6 @@ pub enum Axis {
     Z,
 }
 
-/// A boundary that can touch obstacles or another boundary.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Contact {
-    /// The boundary.
-    pub boundary: String,
-    /// Coulomb's friction coefficient `μ ≥ 0`. If two contacts share a node and its normal, the coefficient there is
-    /// the mean of both, weighted by the node's area in each contact.
-    pub friction: Field,
-    /// Points `[time (s), factor]` with increasing times and factors of 0 or more that multiply the coefficient: linear
-    /// between the points, constant outside. Without them the coefficient is constant.
-    pub friction_history: Option<Vec<[f64; 2]>>,
-    /// The opposite side of the contact.
-    pub against: Against,
-}
-
-/// The opposite side of a contact: rigid obstacles or another boundary.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Against {
-    /// Rigid obstacles, at least one. A node meets the obstacle that is nearest at the beginning of the history among
-    /// those that its outside faces. Among obstacles with the same normal it meets the nearest at each time.
-    Obstacles(Vec<Obstacle>),
-    /// Another boundary, usually of another body.
-    Boundary(Opposite),
-}
-
-impl<T: Into<Vec<Obstacle>>> From<T> for Against {
-    fn from(obstacles: T) -> Self {
-        Against::Obstacles(obstacles.into())
-    }
-}
-
-impl Contact {
-    /// Returns the obstacles; empty if the contact is against another boundary.
-    pub fn obstacles(&self) -> &[Obstacle] {
-        match &self.against {
-            Against::Obstacles(obstacles) => obstacles,
-            Against::Boundary(_) => &[],
-        }
-    }
-
-    /// Returns the opposite boundary, if the contact has one.
-    pub fn opposite(&self) -> Option<&Opposite> {
-        match &self.against {
-            Against::Obstacles(_) => None,
-            Against::Boundary(opposite) => Some(opposite),
-        }
-    }
-
-    /// Returns the key of obstacle `j` of this contact, where `k` is the number of the contact.
-    pub(crate) fn obstacle_key(&self, k: usize, j: usize) -> String {
-        match self.obstacles().len() {
-            1 => format!("contact[{k}].obstacle"),
-            _ => format!("contact[{k}].obstacle[{j}]"),
-        }
-    }
-}
-
 impl Description {
     /// Creates a description of `mesh` and `material` without supports, contacts or loads; increments end at `times`
     /// (s).
@@ -206,18 +151,14 @@ impl Description {
     /// formula.
     #[must_use]
     pub fn contact(mut self, boundary: &str, friction: impl Into<Field>, obstacles: impl Into<Vec<Obstacle>>) -> Self {
-        let (friction, against) = (friction.into(), Against::Obstacles(obstacles.into()));
-        let boundary = boundary.to_string();
-        self.contacts.push(Contact { boundary, friction, friction_history: None, against });
+        self.contacts.push(Contact::new(boundary, friction, Against::Obstacles(obstacles.into())));
         self
     }
 
     /// Adds a contact of `boundary` with another boundary; `friction` is Coulomb's coefficient, a number or a formula.
     #[must_use]
     pub fn pair(mut self, boundary: &str, friction: impl Into<Field>, against: impl Into<Opposite>) -> Self {
-        let (boundary, friction) = (boundary.to_string(), friction.into());
-        let against = Against::Boundary(against.into());
-        self.contacts.push(Contact { boundary, friction, friction_history: None, against });
+        self.contacts.push(Contact::new(boundary, friction, Against::Boundary(against.into())));
         self
     }
 

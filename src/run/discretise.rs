@@ -14,7 +14,7 @@ use crate::body::model::{Model, ModelError, Share};
 use crate::run::report::ProbeTable;
 use crate::scene::Scene;
 use crate::solver::formulation::Layout;
-use crate::solver::history::{LinearAlgebra, Observer, SolverChoice};
+use crate::solver::history::{HistoryMethod, LinearAlgebra, Method, Observer, SolverChoice};
 
 /// The number of equal parts of a history whose gaps are curved in time. Within each part the gaps follow a chord.
 const CHORDS: usize = 512;
@@ -140,13 +140,13 @@ fn suitable(scene: &Scene, mut model: Model) -> Result<Model, RunError> {
             model = model_of(&scene, None)?;
         }
     }
-    if let Some(key) = scene.one_tangent_key
+    if matches!(scene.solver.method, HistoryMethod::Increments(Method::PaperIp { .. }))
         && Layout::new(&model.problem).has_second_tangent()
     {
         let message = "this interior point method has only one tangent per node, but nodes of this scene slide in a \
          plane";
         let help = "remove solver.setting, or use the method \"bn\"";
-        return Err(scene.error_at(key, message, help).into());
+        return Err(scene.error_at("solver.setting", message, help).into());
     }
     ProbeTable::all(&model, &scene.output.probes).map_err(|fault| scene.located(fault))?;
     Ok(model)

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use miette::{Diagnostic, NamedSource, SourceSpan};
 use toml_edit::{Document, Item, TableLike, Value};
 
+use crate::base::formula::Formula;
 use crate::base::input::FileKind;
 use crate::base::input_error::InputError;
 
@@ -131,19 +132,18 @@ impl Source {
         InputError { key, ..fault }
     }
 
-    /// Locates `fault` in the text by its key.
+    /// Locates `fault` in the text by its key, and that of a formula at the wrong part of it.
     pub(super) fn located(&self, fault: InputError) -> SceneError {
         let fault = self.of_its_body(fault);
-        let span = Places::of(&self.text).span(&fault.key);
-        self.error(fault.key, span, fault.message, fault.help)
-    }
-
-    /// Locates `fault` at the bytes `part` of the string `text`, the value of its key.
-    pub(super) fn located_within(&self, fault: InputError, text: &str, part: &Range<usize>) -> SceneError {
-        let span = Places::of(&self.text).span(&fault.key);
-        // A string with escapes differs from its text in the file.
-        let start = self.text[span.clone()].find(text).map(|quote| span.start + quote);
-        let span = start.map_or(span, |start| start + part.start..start + part.end);
+        let mut span = Places::of(&self.text).span(&fault.key);
+        if let Ok(Value::String(formula)) = self.text[span.clone()].parse()
+            && let Err(why) = Formula::parse(formula.value())
+            && fault.message.ends_with(&why.to_string())
+            // A string with escapes differs from its text in the file.
+            && let Some(start) = self.text[span.clone()].find(formula.value())
+        {
+            span = span.start + start + why.span.start..span.start + start + why.span.end;
+        }
         self.error(fault.key, span, fault.message, fault.help)
     }
 

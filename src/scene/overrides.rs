@@ -86,9 +86,10 @@ impl Override {
 
     /// Follows the path below `table` and sets the value.
     fn set(&self, table: &mut dyn TableLike, path: &[Segment]) -> Result<(), SceneError> {
-        let Some((Segment { name, indices }, rest)) = path.split_first() else {
+        let Some((at, rest)) = path.split_first() else {
             return Err(self.error("this is a whole table".to_string(), "set one of its keys"));
         };
+        let Segment { name, indices } = at;
         if rest.is_empty() && indices.is_empty() {
             match table.get_mut(name) {
                 Some(Item::Value(old)) => self.replace(old),
@@ -119,15 +120,12 @@ impl Override {
             table.insert(name, Item::Table(Table::new()));
         }
         match table.get_mut(name) {
-            Some(Item::ArrayOfTables(list)) => self.set_in_list(
-                name,
-                indices,
-                list.iter_mut().map(|table| table as &mut dyn TableLike).collect(),
-                rest,
-            ),
+            Some(Item::ArrayOfTables(list)) => {
+                self.set_in_list(at, list.iter_mut().map(|table| table as &mut dyn TableLike).collect(), rest)
+            }
             Some(Item::Value(Value::Array(list))) if list.iter().any(Value::is_inline_table) => {
                 let tables = list.iter_mut().filter_map(Value::as_inline_table_mut);
-                self.set_in_list(name, indices, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
+                self.set_in_list(at, tables.map(|table| table as &mut dyn TableLike).collect(), rest)
             }
             Some(_) if !indices.is_empty() => {
                 Err(self.error(format!("`{name}` is not a list of tables"), "leave the [index] out"))
@@ -170,18 +168,12 @@ impl Override {
         }
     }
 
-    /// Sets the value in all `tables` of the list `name`, or in the one at the index.
-    fn set_in_list(
-        &self,
-        name: &str,
-        indices: &[usize],
-        mut tables: Vec<&mut dyn TableLike>,
-        rest: &[Segment],
-    ) -> Result<(), SceneError> {
-        let count = tables.len();
-        match *indices {
+    /// Sets the value in all `tables` of the list `at`, or in the one at its index.
+    fn set_in_list(&self, at: &Segment, tables: Vec<&mut dyn TableLike>, rest: &[Segment]) -> Result<(), SceneError> {
+        let (name, count) = (&at.name, tables.len());
+        match at.indices[..] {
             [] => tables.into_iter().try_for_each(|table| self.set(table, rest)),
-            [k] if k < count => self.set(tables.swap_remove(k), rest),
+            [k] if k < count => tables.into_iter().skip(k).take(1).try_for_each(|table| self.set(table, rest)),
             [k, _, ..] => Err(self.error(format!("{name}[{k}] is a table"), "leave the second [index] out")),
             [k] => {
                 let message = format!("the scene has {count} [[{name}]], so there is no {name}[{k}]");

@@ -7,7 +7,7 @@ use super::error::Source;
 use super::overrides::LISTS;
 
 /// The TOML reader's names of types, and plain words for them.
-const JARGON: [(&str, &str); 8] = [
+const JARGON: [(&str, &str); 9] = [
     ("wanted string or table", "invalid type: expected a word in quotes"),
     ("type: map", "type: table"),
     ("type: sequence", "type: list"),
@@ -15,6 +15,7 @@ const JARGON: [(&str, &str); 8] = [
     ("expected a string", "expected a text in quotes"),
     ("expected f64", "expected a number"),
     ("expected i64", "expected a whole number"),
+    ("expected usize", "expected a whole number from 0 on"),
     ("expected struct ", "expected a table: "),
 ];
 

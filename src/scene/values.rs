@@ -15,12 +15,6 @@ use serde::{Deserialize, Deserializer, de};
 #[schemars(inline, with = "Vec<T>", extend("minItems" = N, "maxItems" = N))]
 pub(super) struct Tuple<T, const N: usize = 2>(pub [T; N]);
 
-impl<T: fmt::Debug, const N: usize> fmt::Debug for Tuple<T, N> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.fmt(f)
-    }
-}
-
 impl<T, const N: usize> TryFrom<Vec<T>> for Tuple<T, N> {
     type Error = String;
 
@@ -127,5 +121,43 @@ impl Visitor<'_> for ScalarVisitor {
 
     fn visit_str<E: de::Error>(self, value: &str) -> Result<Scalar, E> {
         Ok(Scalar::Text(value.to_string()))
+    }
+}
+
+/// A list of times, s, or the word in its place: that of [`WORDS`] with this number.
+pub(super) enum TimesOr<const WORD: usize> {
+    Word,
+    Times(Vec<f64>),
+}
+
+pub(super) const ALL: usize = 0;
+pub(super) const LAST: usize = 1;
+
+/// Each word, and what is expected where it may stand.
+const WORDS: [(&str, &str); 2] =
+    [("all", "a list of times or \"all\""), ("last", "the times of its beginning and its end, or \"last\"")];
+
+impl<'de, const WORD: usize> Deserialize<'de> for TimesOr<WORD> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(TimesVisitor)
+    }
+}
+
+struct TimesVisitor<const WORD: usize>;
+
+impl<'de, const WORD: usize> Visitor<'de> for TimesVisitor<WORD> {
+    type Value = TimesOr<WORD>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(WORDS[WORD].1)
+    }
+
+    fn visit_str<E: de::Error>(self, word: &str) -> Result<Self::Value, E> {
+        let is_known = word == WORDS[WORD].0;
+        if is_known { Ok(TimesOr::Word) } else { Err(E::invalid_value(de::Unexpected::Str(word), &self)) }
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, values: A) -> Result<Self::Value, A::Error> {
+        Vec::deserialize(SeqAccessDeserializer::new(values)).map(TimesOr::Times)
     }
 }

@@ -85,7 +85,7 @@ pub use record::{ContactCounts, IncrementRecord, IncrementView, Observer, Second
 pub use saved::Snapshot;
 pub use settings::HistorySettings;
 pub use stepper::{Stepper, StepperState};
-pub use system::{LinearAlgebra, SystemSolver, UnknownLinearAlgebra};
+pub use system::{LinearAlgebra, SystemSolver};
 pub use task::{Algorithm, IncrementSolver, Observe, Response, Task};
 
 /// The result of a history.

@@ -113,6 +113,14 @@ impl From<SceneError> for PaperError {
     }
 }
 
+/// Removes the limits after which the method restarts from the safe point.
+fn patient(start: Start) -> Start {
+    match start {
+        Start::Prev { shortest_step, far, .. } => Start::Prev { shortest_step, far, patience: usize::MAX },
+        Start::Safe => Start::Safe,
+    }
+}
+
 impl PaperTable {
     /// The heading.
     pub fn title(self) -> &'static str {
@@ -216,7 +224,7 @@ impl PaperTable {
             PaperMethod::IpPrev if self == PaperTable::Block => Method::paper_ip(Start::PREV),
             // The paper restarts nothing here, and lets σ fall by (36); with that the iteration
             // stalls in the second increment or soon after. With the block's rule it gets through in most cells.
-            PaperMethod::IpPrev => Method::paper_ip(Start::PREV.patient()),
+            PaperMethod::IpPrev => Method::paper_ip(patient(Start::PREV)),
             PaperMethod::Ip => Method::Ip,
         };
         SolverChoice { linear: Some(linear), max_iterations: MAX_ITERATIONS, ..SolverChoice::new(method) }

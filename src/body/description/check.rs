@@ -1,9 +1,9 @@
-//! Checks of the values of a description, individually and in combination.
+//! Checks of a description, entry by entry, and of its entries in combination.
 
-use super::{Action, Against, Contact, Description, Opposite};
+use super::{Action, Description};
 use crate::base::formula::{Field, Formula};
-use crate::base::input_error::{InputError, ensure, finite};
-use crate::base::timeline::{check_points, check_times};
+use crate::base::input_error::{InputError, each};
+use crate::base::timeline::check_times;
 use crate::body::contact::Shape;
 use crate::body::fem::{Element, Plane};
 
@@ -26,7 +26,7 @@ impl Description {
         each("contact", &self.contacts, |k, contact| contact.check(&self.contacts[..k]))?;
         each("pretension", &self.pretensions, |k, pretension| pretension.check(self, &self.pretensions[..k]))?;
         each("spring", &self.springs, |_, spring| spring.check())?;
-        each("load", &self.loads, |_, load| load.check())
+        each("load", &self.loads, |_, load| load.check()).map(drop)
     }
 
     /// Fails if a body of two dimensions has formulas of z.
@@ -42,14 +42,11 @@ impl Description {
 
     /// Returns each formula with its key.
     fn formulas(&self) -> Vec<(String, &Formula)> {
-        let mut formulas = Vec::new();
+        let (mut fields, mut formulas) = (Vec::new(), Vec::new());
         for (k, contact) in self.contacts.iter().enumerate() {
-            if let Field::Formula(formula) = &contact.friction {
-                formulas.push((format!("contact[{k}].friction"), formula));
-            }
-            if let Some(Opposite { gap: Some(Field::Formula(formula)), .. }) = contact.opposite() {
-                formulas.push((format!("contact[{k}].gap"), formula));
-            }
+            fields.push((format!("contact[{k}].friction"), &contact.friction));
+            let gap = contact.opposite().and_then(|opposite| opposite.gap.as_ref());
+            fields.extend(gap.map(|gap| (format!("contact[{k}].gap"), gap)));
             for (j, obstacle) in contact.obstacles().iter().enumerate() {
                 if let Shape::Formula(formula) = &obstacle.shape {
                     formulas.push((format!("{}.formula", contact.obstacle_key(k, j)), formula));
@@ -57,76 +54,18 @@ impl Description {
             }
         }
         for (k, load) in self.loads.iter().enumerate() {
-            let (key, fields) = match &load.action {
+            let (key, of_load) = match &load.action {
                 Action::Traction { traction, .. } => ("traction", &traction[..]),
                 Action::Pressure { pressure, .. } => ("pressure", std::slice::from_ref(pressure)),
                 Action::Temperature(field) => ("temperature", std::slice::from_ref(field)),
-                Action::Force { .. } | Action::Moment { .. } | Action::Acceleration(_) | Action::Spin { .. } => {
-                    continue;
-                }
+                _ => continue,
             };
-            for field in fields {
-                if let Field::Formula(formula) = field {
-                    formulas.push((format!("load[{k}].{key}"), formula));
-                }
-            }
+            fields.extend(of_load.iter().map(|field| (format!("load[{k}].{key}"), field)));
         }
+        formulas.extend(fields.into_iter().filter_map(|(key, field)| match field {
+            Field::Formula(formula) => Some((key, formula)),
+            Field::Uniform(_) => None,
+        }));
         formulas
-    }
-}
-
-/// Checks each entry of a `list` with its number; an error names its key.
-fn each<T>(list: &str, all: &[T], check: impl Fn(usize, &T) -> Result<(), InputError>) -> Result<(), InputError> {
-    let one = |(k, entry)| check(k, entry).map_err(|fault| fault.with_key(&format!("{list}[{k}]")));
-    all.iter().enumerate().try_for_each(one)
-}
-
-impl Contact {
-    /// Checks a contact, also against the `earlier` ones.
-    fn check(&self, earlier: &[Contact]) -> Result<(), InputError> {
-        if earlier.iter().any(|other| other.boundary == self.boundary) {
-            let message = format!("the boundary `{}` has a [[contact]] already", self.boundary);
-            let help = match self.opposite() {
-                None => "keep one [[contact]] for each boundary",
-                Some(_) => {
-                    "keep one [[contact]] for each boundary: against may be a list of all that is in front of it"
-                }
-            };
-            return Err(InputError::new("boundary", message, help));
-        }
-        if let Field::Uniform(coefficient) = self.friction {
-            finite("friction", coefficient)?;
-            let help = "give Coulomb's coefficient, 0 for a frictionless contact";
-            ensure(coefficient >= 0.0, "friction", &coefficient, "0 or more", help)?;
-        }
-        if let Some(history) = &self.friction_history {
-            check_points("friction_history", "factor", history)?;
-            let is_valid = history.iter().all(|point| point[1] >= 0.0);
-            ensure(is_valid, "friction_history", history, "of factors from 0 on", "friction cannot be negative")?;
-        }
-        match &self.against {
-            Against::Boundary(opposite) => self.check_opposite(opposite),
-            Against::Obstacles(obstacles) => match &obstacles[..] {
-                [] => {
-                    let message = format!("there is no obstacle in front of `{}`", self.boundary);
-                    Err(InputError::new("obstacle", message, "give an obstacle, or remove the contact"))
-                }
-                [obstacle] => obstacle.check().map_err(|fault| fault.with_key("obstacle")),
-                all => each("obstacle", all, |_, obstacle| obstacle.check()),
-            },
-        }
-    }
-
-    fn check_opposite(&self, opposite: &Opposite) -> Result<(), InputError> {
-        opposite.check()?;
-        if opposite.boundaries.contains(&self.boundary) {
-            let message = format!("the boundary `{}` is against itself", self.boundary);
-            return Err(InputError::new("against", message, "name the boundary that is in front of it"));
-        }
-        if opposite.glued && (self.friction != Field::Uniform(0.0) || self.friction_history.is_some()) {
-            let help = "remove the friction, or glue";
-            return Err(InputError::new("friction", "what is glued does not slide, so that it has no friction", help));
-        }
-        Ok(())
     }
 }

@@ -200,5 +200,5 @@ pub(super) fn axial(key: &str, values: &[f64]) -> Result<(), InputError> {
 pub(super) fn direction(key: &str, given: Vector) -> Result<(), InputError> {
     components(key, &given.components())?;
     let length = norm(given.components());
-    ensure(length > 0.0 && length.is_finite(), key, &given, "a vector with a direction", "give e.g. [0, 1]")
+    ensure(length > 0.0 && length.is_finite(), key, &given, "a vector with a direction", "give e.g. [0, -1]")
 }

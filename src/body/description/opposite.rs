@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::load::components;
+use super::load::{components, direction};
 use crate::algebra::vector::{Vector, norm};
 use crate::base::formula::Field;
 use crate::base::input_error::{InputError, ensure, finite, not_huge, positive};
@@ -101,11 +101,7 @@ impl Opposite {
             finite("gap", gap)?;
             not_huge("gap", [gap])?;
         }
-        if let Some(direction) = self.direction {
-            let length = norm(direction.components());
-            let is_valid = length > 0.0 && length.is_finite();
-            ensure(is_valid, "direction", &direction, "a vector with a direction", "give e.g. [0, -1]")?;
-        }
+        self.direction.map_or(Ok(()), |given| direction("direction", given))?;
         if let Some(shift) = self.shift {
             components("shift", &shift.components())?;
             let length = norm(shift.components());

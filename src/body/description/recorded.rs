@@ -1,9 +1,7 @@
 //! The requested records: displacement and stress of points over time, slip and stresses of a load cycle.
 
-use std::collections::HashSet;
-
 use crate::algebra::vector::Vector;
-use crate::base::input_error::{InputError, ensure, finite, in_one_line};
+use crate::base::input_error::{InputError, each, ensure, finite, in_one_line};
 
 /// The largest number of points of a probe; output of more points belongs in a field file.
 const MAX_POINTS: usize = 10_000;
@@ -64,32 +62,28 @@ impl Probe {
     /// # Errors
     /// [`InputError`] with the key of the wrong value, such as `output.probe[0].point`.
     pub fn check(probes: &[Probe]) -> Result<(), InputError> {
-        let mut names = HashSet::new();
-        for (k, probe) in probes.iter().enumerate() {
-            let key = |name: &str| format!("output.probe[{k}].{name}");
-            let help = "give a name such as \"corner\"";
-            in_one_line("a probe", &probe.name, help).map_err(|fault| fault.with_key(&format!("output.probe[{k}]")))?;
-            if !names.insert(&probe.name) {
-                let message = format!("another probe is called {:?}", probe.name);
-                return Err(InputError::new(key("name"), message, "give each probe a name of its own"));
+        let one = |k: usize, Probe { name, place }: &Probe| {
+            in_one_line("a probe", name, "give a name such as \"corner\"")?;
+            if probes[..k].iter().any(|other| other.name == *name) {
+                let message = format!("another probe is called {name:?}");
+                return Err(InputError::new("name", message, "give each probe a name of its own"));
             }
-            let each = |name: &str, point: Vector| point.components().iter().try_for_each(|x| finite(&key(name), *x));
-            match probe.place {
-                ProbePlace::Point(point) => each("point", point)?,
+            let each = |key: &str, point: Vector| point.components().iter().try_for_each(|x| finite(key, *x));
+            match *place {
+                ProbePlace::Point(point) => each("point", point),
                 ProbePlace::Line { from, to, count } => {
                     each("from", from)?;
                     each("to", to)?;
                     let help = "the ends count; use output.fields for the whole body";
                     let is_valid = (2..=MAX_POINTS).contains(&count);
-                    ensure(is_valid, &key("points"), &count, "at least 2 and at most 10000", help)?;
-                    if from == to {
-                        let message = "the line from a point to itself has no length";
-                        return Err(InputError::new(key("to"), message, "give point = [x, y] for a single point"));
-                    }
+                    ensure(is_valid, "points", &count, "at least 2 and at most 10000", help)?;
+                    let message = "the line from a point to itself has no length";
+                    let help = "give point = [x, y] for a single point";
+                    if from == to { Err(InputError::new("to", message, help)) } else { Ok(()) }
                 }
             }
-        }
-        Ok(())
+        };
+        each("output.probe", probes, one).map(drop)
     }
 }
 

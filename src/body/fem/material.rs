@@ -7,25 +7,39 @@ use crate::base::units::Depth;
 use crate::body::mesh::{Cell, Mesh, is_called};
 
 /// The isotropic linear elastic materials of a body; in two dimensions it is of unit thickness, or axisymmetric.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Deserialize, schemars::JsonSchema)]
+#[serde(deny_unknown_fields, rename = "material")]
 pub struct Material {
-    /// Young's modulus, Pa.
+    /// Young's modulus.
+    /// Example: `young = 210e9`. Value: number, Pa.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
-    /// Poisson's ratio, in (-1, 0.5).
+    /// Poisson's ratio.
+    /// Example: `poisson = 0.3`.
+    #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
-    /// The plane state in two dimensions, by default plane strain; must be absent in three dimensions.
+    /// Plane body, or half the section of a body of revolution about x = 0.
+    /// Example: `plane = "stress"`. Default: `"strain"`.
     pub plane: Option<Plane>,
-    /// The thickness of a plane body, m. All SI numbers are per m of depth; with a thickness, forces of scenes and of
-    /// results are those of the whole body.
+    /// Thickness of a plane body, equal in all bodies. Forces, moments, point springs and energies of scene and
+    /// results are then those of the whole body.
+    /// Example: `thickness = 0.02`. Value: length, m. Default: unit depth.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub thickness: Option<f64>,
-    /// Mass density, kg/m³, for loads that act on the mass.
+    /// Mass density, for the loads `acceleration` and `rotation`.
+    /// Example: `density = 7850`. Value: number, kg/m³.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K, for thermal loads.
+    /// Coefficient of thermal expansion, for the load `temperature`; bodies that stay cold need none.
+    /// Example: `expansion = 12e-6`. Value: number, 1/K.
     pub expansion: Option<f64>,
-    /// Horizontal layers of other materials, from the bottom of the body up; the rest has this material. All layers
-    /// have the same density and expansion.
+    /// Layers from the bottom up (along y, in space z). An element belongs to the layer at its centre; above them
+    /// is the material itself.
+    /// Example: `layers = [[0.01, 70e9, 0.33]]`. Value: list of `[thickness, young, poisson]`, m, Pa, –.
+    #[serde(default)]
     pub layers: Vec<Layer>,
-    /// Groups of elements with other materials; the remaining groups have this material.
+    /// The materials of groups of elements; other groups are of the material itself.
+    #[serde(default, rename = "group")]
     pub groups: Vec<MaterialGroup>,
 }
 
@@ -33,23 +47,30 @@ pub struct Material {
 #[derive(Debug, Clone, PartialEq, Default, Deserialize, schemars::JsonSchema)]
 #[serde(deny_unknown_fields, rename = "material_group")]
 pub struct MaterialGroup {
-    /// The group of the mesh.
+    /// Physical group of the Gmsh file; a block is the one group `body`.
+    /// Example: `name = "core"`. Value: name.
     pub name: String,
-    /// Young's modulus, Pa.
+    /// Young's modulus.
+    /// Example: `young = 70e9`. Value: number, Pa.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub young: f64,
-    /// Poisson's ratio, in (-1, 0.5).
+    /// Poisson's ratio.
+    /// Example: `poisson = 0.33`.
     #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
     pub poisson: f64,
-    /// Mass density, kg/m³; default: that of the main material.
+    /// Mass density.
+    /// Example: `density = 2700`. Value: number, kg/m³. Default: of `[material]`.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub density: Option<f64>,
-    /// Coefficient of thermal expansion, 1/K; default: that of the main material.
+    /// Coefficient of thermal expansion.
+    /// Example: `expansion = 23e-6`. Value: number, 1/K. Default: of `[material]`.
     pub expansion: Option<f64>,
 }
 
 /// A horizontal layer of the body.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, schemars::JsonSchema)]
+#[serde(try_from = "Vec<f64>")]
+#[schemars(inline, with = "Vec<f64>", extend("minItems" = 3, "maxItems" = 3))]
 pub struct Layer {
     /// The thickness, m.
     pub thickness: f64,
@@ -57,6 +78,17 @@ pub struct Layer {
     pub young: f64,
     /// Poisson's ratio, in (-1, 0.5).
     pub poisson: f64,
+}
+
+impl TryFrom<Vec<f64>> for Layer {
+    type Error = String;
+
+    fn try_from(values: Vec<f64>) -> Result<Self, String> {
+        match values[..] {
+            [thickness, young, poisson] => Ok(Layer { thickness, young, poisson }),
+            _ => Err(format!("invalid length {}, expected 3 values", values.len())),
+        }
+    }
 }
 
 /// The state of a body in two dimensions.

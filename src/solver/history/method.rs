@@ -59,15 +59,6 @@ pub enum Start {
 impl Start {
     /// The paper's *prev* for the block: `σ` falls slowly, and the limit is 30 iterations.
     pub const PREV: Start = Start::Prev { shortest_step: 0.01, far: 0.95, patience: 30 };
-
-    /// Removes the limits after which the method restarts from the safe point.
-    #[must_use]
-    pub fn patient(self) -> Self {
-        match self {
-            Start::Prev { shortest_step, far, .. } => Start::Prev { shortest_step, far, patience: usize::MAX },
-            Start::Safe => Start::Safe,
-        }
-    }
 }
 
 impl Method {

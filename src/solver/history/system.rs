@@ -92,24 +92,20 @@ impl fmt::Display for LinearAlgebra {
     }
 }
 
-/// The error of a word that names no linear solver.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error(
-    "it is one of umfpack, mumps, faer, partial, condensed, condensed-cholmod, condensed-faer, multigrid and petsc"
-)]
-pub struct UnknownLinearAlgebra;
-
 impl FromStr for LinearAlgebra {
-    type Err = UnknownLinearAlgebra;
+    type Err = String;
 
-    fn from_str(word: &str) -> Result<Self, Self::Err> {
+    fn from_str(word: &str) -> Result<Self, String> {
         let others = [
             ("condensed", Self::condensed()),
             ("multigrid", LinearAlgebra::Multigrid),
             ("petsc", LinearAlgebra::Petsc),
         ];
-        let known = Self::WORDS.into_iter().chain(others);
-        known.into_iter().find(|(known, _)| *known == word).map(|(_, linear)| linear).ok_or(UnknownLinearAlgebra)
+        let known = Self::WORDS.into_iter().chain(others).find(|(known, _)| *known == word);
+        known.map(|(_, linear)| linear).ok_or_else(|| {
+            "it is one of umfpack, mumps, faer, partial, condensed, condensed-cholmod, condensed-faer, multigrid and petsc"
+                .to_string()
+        })
     }
 }
 

@@ -4,7 +4,7 @@ use clap::{Args, Subcommand};
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use stickslip::run::report::csv_table;
-use stickslip::solver::history::{LinearAlgebra, Status, UnknownLinearAlgebra};
+use stickslip::solver::history::{LinearAlgebra, Status};
 use stickslip_output::Table;
 use stickslip_studies::tables::{Agreement, Case, Cell, Counts, PaperMethod, PaperTable};
 
@@ -60,7 +60,7 @@ struct Selection {
 
 /// The linear algebra of that name, if this build has it.
 fn built_in(word: &str) -> Result<LinearAlgebra, String> {
-    let linear: LinearAlgebra = word.parse().map_err(|unknown: UnknownLinearAlgebra| unknown.to_string())?;
+    let linear: LinearAlgebra = word.parse()?;
     if linear.is_built_in() { Ok(linear) } else { Err(format!("this build has no {linear}")) }
 }
 

@@ -1,7 +1,6 @@
 //! What is in front of a boundary: obstacles smaller than it, several of them, boundaries that share nodes.
 
 use crate::common::prelude::*;
-use stickslip::body::Contact;
 
 const PLANE: &str = "kind = \"plane\", motion = { translation = [[0, 0, 0], [1, 0, 0], [2, 0.5, 0]] }";
 
@@ -239,13 +238,7 @@ fn a_ring_on_a_shaft_in_parts() {
     let half = 0.5_f64.sqrt();
     let mut parts = base;
     for (k, normal) in [[-half, -half], [half, -half], [half, half], [-half, half]].into_iter().enumerate() {
-        let name = format!("q{k}");
-        parts.contacts.push(Contact {
-            boundary: name,
-            friction: 0.3.into(),
-            friction_history: None,
-            against: shaft(normal).into(),
-        });
+        parts = parts.contact(&format!("q{k}"), 0.3, shaft(normal));
     }
     // A facet may be of one contact only: it would count twice.
     let error = Model::build(&parts.clone().contact("bore", 0.3, shaft([-1.0, 0.0]))).unwrap_err().to_string();

@@ -439,36 +439,3 @@ fn the_schema_of_scenes_has_the_keys_of_the_reader() {
         }
     }
 }
-
-/// Every key of a scene has a row with an example on the page of its table. Some tables share a page.
-#[test]
-fn every_key_of_a_scene_is_documented() {
-    let schema = schema("scene");
-    let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("doc/reference/scene");
-    for (table, page) in [
-        ("units", "units.md"),
-        ("mesh", "mesh.md"),
-        ("material", "material.md"),
-        ("material_group", "material.md"),
-        ("body", "body.md"),
-        ("support", "support.md"),
-        ("spring", "spring.md"),
-        ("load", "load.md"),
-        ("spin", "load.md"),
-        ("contact", "contact.md"),
-        ("obstacle", "obstacle.md"),
-        ("motion", "obstacle.md"),
-        ("rotation", "obstacle.md"),
-        ("time", "time.md"),
-        ("solver", "solver.md"),
-        ("output", "output.md"),
-        ("probe", "output.md"),
-    ] {
-        let text = fs::read_to_string(folder.join(page)).unwrap();
-        for key in schema["$defs"][table]["properties"].as_object().unwrap().keys() {
-            let examples = [format!("`{key} = "), format!("`motion.{key} = "), format!("[[{table}.{key}]]")];
-            let is_there = examples.iter().any(|example| text.contains(example.as_str()));
-            assert!(is_there || (table, key.as_str()) == ("obstacle", "motion"), "{page} lacks {key}");
-        }
-    }
-}

@@ -1,0 +1,216 @@
+"""Error against CPU time of uniform meshes and of meshes that refine themselves, and told against true uncertainty.
+
+    python3 studies/refinement.py target/release/stickslip doc/method/error-vs-time/refinement.csv [NAME]
+
+For each quantity, the truth is a run with `mesh.refine` at a quarter or less of the finest error of the table. CPU times
+of refined meshes contain all their coarser meshes; those of uniform meshes are of one mesh alone. The bracket needs Gmsh.
+"""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+
+CYLINDER = """
+title = "Cylinder on a block"
+mesh = { kind = "block", size = [1, 1], elements = [8, 8], cells = "triangle" }
+material = { young = 210e9, poisson = 0.3, plane = "strain" }
+support = [{ boundary = "bottom", fix = ["x", "y"] }]
+[[contact]]
+boundary = "top"
+friction = 0.3
+[contact.obstacle]
+kind = "cylinder"
+radius = 10
+apex = [0.5, 1]
+normal = [0, 1]
+tangent = [1, 0]
+approach = [[0, 0], [1, 1e-4]]
+motion.translation = [[1, 0, 0], [2, 2.2e-5, 0]]
+[time]
+end = 2
+increments = 8
+[output]
+times = [1, 2]
+"""
+
+# Two plates of 10 mm, lapped over 40 mm, drawn together by a bolt and pulled.
+LAP = """
+title = "Lap joint"
+units = { length = "mm", stress = "MPa" }
+[[body]]
+name = "lower"
+mesh = { kind = "block", size = [[60, 13, 14, 13], 10], elements = [[12, 3, 3, 3], 2], cells = "triangle" }
+material = { young = 210e3, poisson = 0.3 }
+[[body]]
+name = "upper"
+at = [60, 10]
+mesh = { kind = "block", size = [[13, 14, 13, 60], 10], elements = [[3, 3, 3, 12], 2], cells = "triangle" }
+material = { young = 210e3, poisson = 0.3 }
+[[support]]
+boundary = "lower:left"
+fix = ["x", "y"]
+[[support]]
+boundary = "upper:right"
+fix = ["x", "y"]
+displacement = [0.06, 0]
+history = [[1, 0], [2, 1]]
+[[load]]
+boundary = "upper:top"
+traction = ["0", "-60 * exp(-((x - 80) / 5)^2)"]
+history = [[0, 0], [1, 1]]
+[[load]]
+boundary = "lower:bottom"
+traction = ["0", "60 * exp(-((x - 80) / 5)^2)"]
+history = [[0, 0], [1, 1]]
+[[contact]]
+boundary = "upper:bottom"
+against = "lower:top"
+friction = 0.2
+[time]
+end = 2
+increments = 8
+[output]
+times = [1, 2]
+"""
+
+PUNCH = "data/tutorials/punch.toml"
+SPHERE = "data/scenes/hertz_sphere.toml"
+BRACKET = "doc/method/benchmarks/bracket.toml"
+MINDLIN = ["mesh.cells=triangle6", "mesh.element=bilinear"]
+FIT = ["body.mesh.cells=triangle"]
+
+
+def blocks(form, numbers):
+    return [[f"mesh.elements={form.format(*(round(k * n) for n in numbers))}"] for k in (1, 2, 4, 8, 16)]
+
+
+# Name, scene or its text, overrides, uniform meshes from coarse to fine (the first is refined), `mesh.refine`, that of the
+# truth, quantities.
+CASES = [
+    dict(name="cylinder", text=CYLINDER, uniform=[[f"mesh.elements=[{n},{n}]"] for n in (8, 16, 32, 64, 128, 256)],
+         refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "peak", "friction_work"]),
+    dict(name="Cattaneo and Mindlin", scene="data/scenes/cattaneo_mindlin.toml", sets=MINDLIN,
+         uniform=blocks("[[{},{},{}],{}]", (4, 8, 4, 6)), refine=[0.2, 0.1, 0.05, 0.025], truth=0.006,
+         quantities=["force", "peak", "friction_work"]),
+    dict(name="rounded punch", scene=PUNCH, sets=["mesh.cells=triangle", "mesh.grading=1"],
+         uniform=blocks("[[{},{},{}],{}]", (3, 4, 9, 8)), refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.008,
+         quantities=["force", "peak", "friction_work"]),
+    dict(name="press fit", scene="data/tutorials/press-fit.toml", sets=FIT, uniform=[
+         [f"body[0].mesh.elements=[{n},{5 * n}]", f"body[1].mesh.elements=[{n},{2 * n}]"] for n in (2, 4, 8, 16, 32)],
+         refine=[0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "friction_work"]),
+    dict(name="lap joint", text=LAP, uniform=[
+         [f"body[0].mesh.elements=[[{12 * k},{3 * k},{3 * k},{3 * k}],{2 * k}]",
+          f"body[1].mesh.elements=[[{3 * k},{3 * k},{3 * k},{12 * k}],{2 * k}]"] for k in (1, 2, 4, 8, 16)],
+         refine=[0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "friction_work"]),
+    dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=1"],
+         uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:4], refine=[0.5, 0.35, 0.25, 0.17], truth=0.1,
+         quantities=["force", "peak"]),
+    dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.525],
+         refine=[0.3, 0.22, 0.16], truth=0.11, quantities=["force", "friction_work"]),
+]
+
+
+def run(program, command, scene, overrides, more=()):
+    """The JSON object that a command prints, and its CPU seconds."""
+    words = [program, command, scene, *(word for override in overrides for word in ("--set", override))]
+    before = os.times()
+    output = subprocess.run([*words, *more, "--threads", "1", "--json"], capture_output=True, text=True)
+    after = os.times()
+    seconds = after.children_user + after.children_system - before.children_user - before.children_system
+    try:
+        return json.loads(output.stdout), seconds
+    except json.JSONDecodeError:
+        raise SystemExit(" ".join(words) + "\n" + output.stderr)
+
+
+def values(report):
+    if report["status"] != "converged":
+        return {}
+    forces = [force["force"] for force in report["forces"]]
+    return {
+        "peak": (report.get("largest_pressure") or {}).get("pressure"),
+        "force": max(sum(f * f for f in force) ** 0.5 for force in forces),
+        "friction_work": sum(increment["friction_work"] for increment in report["increments"]),
+    }
+
+
+def within_a_percent(errors):
+    """The CPU time of the first run from which on all errors are at most 1 %."""
+    found = None
+    for seconds, error in reversed(errors):
+        if error is None or error > 0.01:
+            break
+        found = seconds
+    return found
+
+
+def study(program, case, folder):
+    """The rows of a case: kind, mesh, nodes' number of elements, CPU seconds, quantity, value, true error, told uncertainty."""
+    scene, sets = case.get("scene"), [*case.get("sets", []), "solver.linear=auto"]
+    if "text" in case:
+        scene = os.path.join(folder, "scene.toml")
+        with open(scene, "w") as file:
+            file.write(case["text"])
+    uniform = case.get("uniform", [])
+    if "gmsh" in case:
+        for size in case["gmsh"]:
+            file = os.path.join(folder, f"{size}.msh")
+            words = ["gmsh", "-3", case["scene"].replace(".toml", ".geo"), "-setnumber", "size", str(size)]
+            subprocess.run([*words, "-format", "msh41", "-o", file], check=True, capture_output=True)
+            uniform.append([f"mesh.file={file}"])
+    first = sets + uniform[0]
+    key = "body.mesh.refine" if "text" in case and "[[body]]" in case["text"] or "fit" in case["name"] else "mesh.refine"
+    truth = values(run(program, "run", scene, [*first, f"{key}={case['truth']}"])[0])
+    print(f"{case['name']}: truth {truth}", flush=True)
+    rows = []
+    kinds = [("uniform", " ".join(mesh), sets + mesh) for mesh in uniform]
+    kinds += [("refined", f"{key}={error}", [*first, f"{key}={error}"]) for error in case["refine"]]
+    for kind, name, overrides in kinds:
+        report, seconds = run(program, "run", scene, overrides)
+        found = values(report)
+        for quantity in case["quantities"]:
+            value = found.get(quantity)
+            error = None if value is None else abs(value / truth[quantity] - 1)
+            rows.append([case["name"], kind, os.path.basename(name), seconds, quantity, value, error, None])
+            print(*rows[-1], sep=", ", flush=True)
+    for quantity in case["quantities"]:
+        for share in (0.1, 0.02):
+            limits = ["--for", quantity, "--to", str(share), "--within", "120"]
+            found, seconds = run(program, "converge", scene, first, limits)
+            if found["value"] is None or found["uncertainty"] is None:
+                print(case["name"], quantity, found["message"])
+                continue
+            # Increments are another error: the truth of a study has its last ones.
+            last = found["runs"][-1]
+            more = [*first, f"{key}={case['truth']}", f"time.increments={last['increments']}"]
+            true = abs(found["value"] / values(run(program, "run", scene, more)[0])[quantity] - 1)
+            of_mesh = found["uncertainty_mesh"]
+            rows.append([case["name"], f"converge to {share}", last["mesh"], seconds, quantity, found["value"], true, of_mesh])
+            print(*rows[-1], sep=", ", flush=True)
+    return rows
+
+
+def main(program, out, only=None):
+    rows = []
+    for case in CASES:
+        if only and only not in case["name"]:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            rows += study(program, case, folder)
+    heads = ["scene", "kind", "mesh", "cpu_seconds", "quantity", "value", "error", "told"]
+    with open(out, "w", newline="") as file:
+        number = lambda x: f"{x:.4g}" if isinstance(x, float) else x
+        csv.writer(file, lineterminator="\n").writerows([heads] + [[number(x) for x in row] for row in rows])
+    for scene, quantity in dict.fromkeys((row[0], row[4]) for row in rows):
+        of = lambda kind: [(row[3], row[6]) for row in rows if row[:2] == [scene, kind] and row[4] == quantity]
+        uniform, refined = within_a_percent(of("uniform")), within_a_percent(of("refined"))
+        print(f"{scene}, {quantity}: CPU seconds to 1 %: uniform {uniform}, refined {refined}")
+    told = [row for row in rows if row[7] is not None]
+    print(f"converge: {sum(row[6] <= row[7] for row in told)} of {len(told)} errors of the mesh within the told one")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
