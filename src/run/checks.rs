@@ -4,6 +4,7 @@
 //! the increments is a type that implements [`Finding`] or [`Check`], and a line in the list of [`Checks`]. One of the
 //! results is a function, and a line in [`Solved::warnings`].
 
+mod balance;
 mod contact_zone;
 mod displacements;
 mod facets;
@@ -22,6 +23,11 @@ mod sliding;
 mod touch;
 mod unique;
 
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::json;
+
 use prelude::*;
 
 /// The names that every check uses.
@@ -31,12 +37,14 @@ mod prelude {
     pub(super) use super::{Check, Finding, Largest, SoFar, Solved};
     pub(super) use crate::base::units::{Quantity, six_digits};
     pub(super) use crate::body::model::Model;
-    pub(super) use crate::run::report::{LargestDisplacement, Warning, WarningKind};
+    pub(super) use crate::run::report::{LargestDisplacement, Warning, WarningKind, kinds};
     pub(super) use crate::solver::history::IncrementView;
 }
 
+pub(super) use balance::BalanceWatch;
+
 use super::force_jumps::ForceJump;
-use super::report::{BalanceWatch, Estimates, is_as_large};
+use super::report::{Estimates, is_as_large};
 use crate::body::contact::Passed;
 use crate::body::model::{LargeMotion, RangeLeft};
 use crate::solver::history::{HistoryOutcome, SolverChoice, Status};
@@ -156,18 +164,19 @@ impl<T: Finding> Check for Largest<T> {
 
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (size, time, found) = self.above(T::LIMIT)?;
-        Some(Warning { kind: T::KIND, message: found.sentence(model, size, time) })
+        Some(T::KIND.warning(found.sentence(model, size, time)))
     }
 }
 
-/// Declares the list of the checks, in the order of their warnings.
+/// Declares the list of the modules with kinds of warnings, in the order of their warnings: the checks of each, with
+/// names by which a history keeps them, and its warnings of the results, if it has any, a function of [`Solved`].
 macro_rules! checks {
-    ($($check:ident: $kind:ty,)*) => {
-        /// All checks, with what they keep of a history.
+    ($($module:ident { $($check:ident: $of_increments:ty),* } $($of_results:ident)?;)*) => {
+        /// All checks of the increments, with what they keep of a history.
         #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
         pub(super) struct Checks {
             so_far: SoFar,
-            $($check: $kind,)*
+            $($($check: $of_increments,)*)*
         }
 
         impl Checks {
@@ -175,40 +184,56 @@ macro_rules! checks {
             pub(super) fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
                 if step.record.status == Status::Converged {
                     self.so_far.observe(model, step);
-                    $(self.$check.observe(model, step, &self.so_far);)*
+                    $($(self.$check.observe(model, step, &self.so_far);)*)*
                 }
             }
 
             /// Returns `true` if the checks, restored from a checkpoint, are of `model`.
             pub(super) fn fit(&self, model: &Model) -> bool {
-                self.so_far.touched.len() == model.contact.nodes.len() $(&& self.$check.fits(model))*
+                self.so_far.touched.len() == model.contact.nodes.len() $($(&& self.$check.fits(model))*)*
             }
+        }
 
-            /// Returns the warnings.
-            pub(super) fn warnings(&self, model: &Model) -> Vec<Warning> {
-                [$(self.$check.warnings(model, &self.so_far)),*].concat()
+        impl Solved<'_> {
+            /// Returns the warnings of the increments and of the results.
+            fn found(&self) -> Vec<Warning> {
+                let (mut warnings, checks) = (Vec::new(), self.checks);
+                $(
+                    $(warnings.extend(checks.$check.warnings(self.model, &checks.so_far));)*
+                    $(warnings.extend($module::$of_results(self));)?
+                )*
+                warnings
             }
+        }
+
+        /// Returns all kinds of warnings, by name.
+        fn kinds() -> Vec<WarningKind> {
+            let mut kinds = [$($module::KINDS),*].concat();
+            kinds.sort_by_key(|kind| kind.name);
+            kinds
         }
     };
 }
 
 checks! {
-    no_contact: touch::NoContact,
-    leaning: touch::LeaningObstacle,
-    displacements: displacements::LargeDisplacements,
-    range: range::GapsOutOfRange,
-    beyond_the_end: Largest<pairs::BeyondTheEnd>,
-    passed_through: Largest<Passed>,
-    faceted_gaps: facets::FacetedGaps,
-    faceted_obstacle: facets::FacetedObstacle,
-    friction: Largest<friction::LeftOut>,
-    not_met: obstacles::ObstacleNotMet,
-    between_nodes: obstacles::ObstacleBetweenNodes,
-    passage: passage::Passage,
-    slid: Largest<sliding::Slid>,
-    large_motion: Largest<LargeMotion>,
-    neutral: unique::NeutralEquilibrium,
-    shared_forces: unique::SharedForces,
+    touch { no_contact: touch::NoContact, leaning: touch::LeaningObstacle };
+    displacements { displacements: displacements::LargeDisplacements } strains;
+    range { range: range::GapsOutOfRange };
+    pairs { beyond_the_end: Largest<pairs::BeyondTheEnd>, passed_through: Largest<Passed> };
+    facets { faceted_gaps: facets::FacetedGaps, faceted_obstacle: facets::FacetedObstacle };
+    friction { friction: Largest<friction::LeftOut> };
+    obstacles { not_met: obstacles::ObstacleNotMet, between_nodes: obstacles::ObstacleBetweenNodes };
+    passage { passage: passage::Passage } along_chords;
+    sliding { slid: Largest<sliding::Slid>, large_motion: Largest<LargeMotion> };
+    unique { neutral: unique::NeutralEquilibrium, shared_forces: unique::SharedForces };
+    contact_zone {} warnings;
+    mesh {} warnings;
+    increments {} warnings;
+    jumps {} warning;
+    balance {} warning;
+    locking {};
+    model {};
+    process {};
 }
 
 impl Checks {
@@ -251,21 +276,27 @@ impl Solved<'_> {
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Warning::of_model(self.model);
         // The locking found in the solution replaces the expected one.
-        warnings.retain(|warning| warning.kind != WarningKind::Locking || self.estimates.locking.is_none());
-        warnings.extend(self.checks.warnings(self.model));
-        warnings.extend(contact_zone::warnings(self));
-        warnings.extend(mesh::warnings(self));
-        warnings.extend(displacements::strains(self));
-        warnings.extend(increments::warnings(self));
-        warnings.extend(passage::along_chords(self));
-        warnings.extend(jumps::of_forces(self));
-        warnings.extend(self.balance.unbalanced(self.model, self.solver.tolerance));
+        warnings.retain(|warning| warning.kind != WarningKind::LOCKING || self.estimates.locking.is_none());
+        warnings.extend(self.found());
         warnings
+    }
+}
+
+impl JsonSchema for WarningKind {
+    fn schema_name() -> Cow<'static, str> {
+        "WarningKind".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let of = |kind: &WarningKind| json!({"type": "string", "const": kind.name, "description": kind.meaning.trim()});
+        json_schema!({"description": "The kind of a warning.", "oneOf": kinds().iter().map(of).collect::<Vec<_>>()})
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::body::contact::Obstacle;
     use crate::body::description::{Axis, Description};
@@ -287,5 +318,34 @@ mod tests {
         };
         let fit = |contacts: usize, node: usize| checks(contacts, node).fit(&model);
         assert_eq!([fit(contacts, nodes - 1), fit(contacts, nodes), fit(contacts + 1, 0)], [true, false, false]);
+    }
+
+    /// The table of the page of warnings is that of the kinds. `PAGES=write` writes it.
+    #[test]
+    fn the_page_has_the_kinds() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/doc/reference/warnings.md");
+        let page = fs::read_to_string(path).unwrap();
+        let (head, rest) = page.split_once("| --- | --- | --- | --- |\n").unwrap();
+        let (_, tail) = rest.split_once("\n\n").unwrap();
+        let row = |WarningKind { name, meaning, cure, ignored_if, is_known_before }: &WarningKind| {
+            let mark = if *is_known_before { "¹" } else { "" };
+            format!("| `{name}`{mark} |{meaning} | {cure} | {ignored_if} |")
+        };
+        let table = kinds().iter().map(row).collect::<Vec<_>>().join("\n");
+        let made = format!("{head}| --- | --- | --- | --- |\n{table}\n\n{tail}");
+        if std::env::var("PAGES").is_ok_and(|word| word == "write") {
+            fs::write(path, &made).unwrap();
+        } else {
+            assert_eq!(page, made, "PAGES=write writes the page");
+        }
+    }
+
+    /// A name stands for one kind, and each kind has all that the page says.
+    #[test]
+    fn kinds_are_complete() {
+        let kinds = kinds();
+        assert!(kinds.windows(2).all(|pair| pair[0].name < pair[1].name));
+        let texts = kinds.iter().flat_map(|kind| [kind.meaning, kind.cure, kind.ignored_if]);
+        assert!(texts.into_iter().all(|text| !text.trim().is_empty() && !text.contains(['|', '\n'])));
     }
 }

@@ -5,6 +5,28 @@ use crate::base::units::UnitSystem;
 use crate::body::estimate::{ContactEstimate, HertzContact, peak_error};
 use crate::run::report::ISOLATED;
 
+kinds! {
+    /// More than a tenth of a contact force is on zones of up to 3 nodes, or on single nodes: pressure and width are
+    /// meaningless.
+    CONTACT_UNRESOLVED("contact-unresolved", "Let 8 nodes be across.", "only forces matter");
+    /// A contact zone is 4 to 7 nodes across.
+    CONTACT_COARSE("contact-coarse", "Halve the elements there.", "only forces matter");
+    /// The largest pressure is far above its neighbours, not at a corner.
+    PEAK_SCATTER("peak-scatter", "Refine there; with tetrahedra use the mean.", "the peak does not matter");
+    /// The largest pressure is at a corner, or where the contact reaches the end of its boundary; it grows with
+    /// refinement.
+    SINGULAR_EDGE("singular-edge", "Model the rounding of the edge.", "you use forces, and pressures elsewhere");
+    /// Contact reaches the end of its boundary, and the elements beyond differ in length by more than three times.
+    UNEVEN_ELEMENTS("uneven-elements", "Let elements grow gradually.", "only forces matter");
+    /// Stick and slip in a contact of 8 to 39 nodes: the stick zone is known to one element. Not given for fewer than 8
+    /// nodes, for 40 or more, or if the whole boundary is in contact.
+    STICK_ZONE_COARSE("stick-zone-coarse", "Smaller elements.", "its width does not matter");
+    /// Slip zones beside stick zones are fewer than 7 nodes wide (mean by friction work): work may be a tenth off. Not
+    /// given if the whole contact is too narrow, or hardly any work is dissipated.
+    SLIP_ZONE_COARSE("slip-zone-coarse", "Smaller elements in the slip zone; see [friction](../method/estimates.md#friction).",
+        "slip and work do not matter");
+}
+
 /// Slip zones with fewer nodes across cause a warning, because their width is known to half a node or one node. Of 600
 /// random scenes, 69 had them although the contact itself was wide enough. The friction work was more than 10 % off in
 /// 49 of them, and better than 2 % in 4.
@@ -35,7 +57,7 @@ pub(super) fn warnings(Solved { model, checks, estimates, .. }: &Solved<'_>) -> 
     });
     let mut warnings: Vec<Warning> = contact.collect();
     // For a narrow contact, the warning of its width is enough.
-    let narrow = [WarningKind::ContactUnresolved, WarningKind::ContactCoarse];
+    let narrow = [WarningKind::CONTACT_UNRESOLVED, WarningKind::CONTACT_COARSE];
     if !warnings.iter().any(|warning| narrow.contains(&warning.kind)) {
         warnings.extend(estimates.slip_across.and_then(narrow_slip));
     }
@@ -73,18 +95,17 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Option<Warning> {
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
         let message = format!("{at}: {reason}, so pressure and contact width are meaningless there{finer}");
-        return Some(Warning { kind: WarningKind::ContactUnresolved, message });
+        return Some(WarningKind::CONTACT_UNRESOLVED.warning(message));
     }
     let n = contact.nodes_across.filter(|&n| n < FINE)?;
     let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
-    let message = format!(
+    Some(WarningKind::CONTACT_COARSE.warning(format!(
         "{at}: the contact zone is only {n} nodes wide: its peak pressure may be off by {}, its width by {}; halve \
          the elements there for {}",
         percent(peak),
         percent(width),
         percent(peak_error(2 * n - 1))
-    );
-    Some(Warning { kind: WarningKind::ContactCoarse, message })
+    )))
 }
 
 /// Warns if the largest pressure differs much from those around it.
@@ -92,26 +113,24 @@ fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Op
     let stress = |x: f64| units.rounded(Quantity::Stress, x, 3);
     let at = at(contact);
     if contact.singular_edge {
-        let message = format!(
+        return Some(WarningKind::SINGULAR_EDGE.warning(format!(
             "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak depends on the \
              mesh; use only forces, and pressures away from the edge",
             percent(contact.edge_share)
-        );
-        return Some(Warning { kind: WarningKind::SingularEdge, message });
+        )));
     }
     let n = contact.nodes_across;
     if n.is_some_and(|n| n <= 4) || contact.scatter <= SMOOTH.max(n.map_or(0.0, peak_error)) {
         return None;
     }
     let trust = if simplices { "use the mean" } else { "refine the mesh there" };
-    let message = format!(
+    Some(WarningKind::PEAK_SCATTER.warning(format!(
         "{at}: pressures of neighbouring nodes differ: the peak of {} is {} above the mean over its neighbours, {}; \
          {trust}",
         stress(contact.peak_pressure),
         percent(contact.scatter),
         stress(contact.patch_pressure)
-    );
-    Some(Warning { kind: WarningKind::PeakScatter, message })
+    )))
 }
 
 /// Warns of problems at the ends of the contact and of its stick zone.
@@ -124,7 +143,7 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
              longer or shorter than those inside: pressures inside may be off by several percent; let elements \
              grow gradually there"
         );
-        warnings.push(Warning { kind: WarningKind::UnevenElements, message });
+        warnings.push(WarningKind::UNEVEN_ELEMENTS.warning(message));
     }
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
     if let (Some(stick), Some(n)) = (&contact.stick, n) {
@@ -135,7 +154,7 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
             six_digits(stick.time),
             stick.ratio
         );
-        warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
+        warnings.push(WarningKind::STICK_ZONE_COARSE.warning(message));
     }
     warnings
 }
@@ -147,5 +166,5 @@ fn narrow_slip(across: f64) -> Option<Warning> {
          work and slip may be off by about {:.0} %; make elements smaller where nodes slip, until 7 are across",
         100.0 / across
     );
-    (across < FINE_FOR_SLIP).then_some(Warning { kind: WarningKind::SlipZoneCoarse, message })
+    (across < FINE_FOR_SLIP).then_some(WarningKind::SLIP_ZONE_COARSE.warning(message))
 }

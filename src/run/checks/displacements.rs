@@ -3,6 +3,15 @@
 use super::prelude::*;
 use crate::algebra::vector::norm;
 
+kinds! {
+    /// Displacements are above a tenth of the body's size, but assumed to be small.
+    LARGE_DISPLACEMENTS("large-displacements", "Check the units.", "never");
+    /// The mean strain (root mean square weighted by the strain energy) is above 1 %, but assumed to be small: forces and
+    /// displacements are off by about as much.
+    LARGE_STRAINS("large-strains", "Check the modulus and its unit; a program for large strains.",
+        "the share in the message suffices");
+}
+
 /// The displacement, relative to the body's size, above which displacements are not small. A rotation of this size
 /// turns normals by six degrees, and the neglected squares of strains reach a percent.
 pub(super) const NOT_SMALL: f64 = 0.1;
@@ -34,7 +43,7 @@ impl Check for LargeDisplacements {
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (units, size) = (model.units(), model.mesh.size());
         let (length, time, position) = self.0.above(NOT_SMALL * size)?;
-        let message = format!(
+        Some(WarningKind::LARGE_DISPLACEMENTS.warning(format!(
             "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, {:.0} % of the body's \
              size; are lengths in {}, moduli and tractions in {}?",
             units.point(*position),
@@ -42,8 +51,7 @@ impl Check for LargeDisplacements {
             100.0 * length / size,
             units.name(Quantity::Length),
             units.name(Quantity::Stress)
-        );
-        Some(Warning { kind: WarningKind::LargeDisplacements, message })
+        )))
     }
 }
 
@@ -58,5 +66,5 @@ pub(super) fn strains(Solved { model, checks, estimates, .. }: &Solved<'_>) -> O
         100.0 * strain,
         units.name(Quantity::Stress)
     );
-    (strain > LARGE_STRAIN).then_some(Warning { kind: WarningKind::LargeStrains, message })
+    (strain > LARGE_STRAIN).then_some(WarningKind::LARGE_STRAINS.warning(message))
 }

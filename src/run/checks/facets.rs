@@ -3,6 +3,15 @@
 use super::prelude::*;
 use crate::algebra::vector::median;
 
+kinds! {
+    /// Facets that turn by 44° to 84° count as edges; if they were of one surface, measured gaps would change by more than
+    /// 10 % (mean by force). The message has both overlaps: forces of a fit are off by their ratio. Or triangles of a
+    /// curved obstacle: the surface is beyond their middle by more than 3.8 % of the indentation, and pressures may be
+    /// more than 10 % off. Other warnings of that pressure are omitted.
+    FACETED_GAPS("faceted-gaps", "Twice as many elements along the curve, or the gap if it is known. A finer file of the \
+        obstacle, or its shape.", "the part has these edges");
+}
+
 /// The error of pressures, and of gaps of pairs, by facets above which it is reported.
 const FACETED: f64 = 0.1;
 
@@ -86,7 +95,7 @@ impl Check for FacetedGaps {
                  it is known",
                 pair.slave, pair.master.name, pair.contact
             );
-            Warning { kind: WarningKind::FacetedGaps, message }
+            WarningKind::FACETED_GAPS.warning(message)
         };
         self.large().map(warning).collect()
     }
@@ -137,7 +146,7 @@ impl Check for FacetedObstacle {
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (obstacle, sagitta) = self.large(so_far)?;
         let share = STIFFER_OBSTACLE * (sagitta / so_far.indentation);
-        let message = format!(
+        Some(WarningKind::FACETED_GAPS.warning(format!(
             "the triangles of {} are chords of a curved surface, which is {} beyond their middle (median), {}: \
              pressures may be off by about {:.0} %; write the file with edges at most {:.2} times as long, or use an \
              obstacle of that shape",
@@ -146,7 +155,6 @@ impl Check for FacetedObstacle {
             so_far.beside(sagitta),
             100.0 * share.min(1.0),
             (FACETED / share).sqrt()
-        );
-        Some(Warning { kind: WarningKind::FacetedGaps, message })
+        )))
     }
 }

@@ -2,13 +2,19 @@
 
 use super::prelude::*;
 
+kinds! {
+    /// More than 1 % of the possible friction is in no result: it is at nodes supported in the sliding direction, or,
+    /// with `events`, at nodes in two contacts.
+    FRICTION_LEFT_OUT("friction-left-out", "End the support at a distance, or exchange the sides; use `bn`.", "never");
+}
+
 /// The boundary with the largest share of neglected friction: at nodes that supports constrain, and at nodes that have
 /// no friction on the exact path.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LeftOut(usize);
 
 impl Finding for LeftOut {
-    const KIND: WarningKind = WarningKind::FrictionLeftOut;
+    const KIND: WarningKind = WarningKind::FRICTION_LEFT_OUT;
     const LIMIT: f64 = 0.01;
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {

@@ -4,6 +4,15 @@ use super::prelude::*;
 use crate::base::units::UnitSystem;
 use crate::solver::history::IncrementError;
 
+kinds! {
+    /// The time-step error of tangential forces is above 5 %; or loads or interference at t = 0 change friction by more
+    /// than 5 % of its limit; or nodes begin to stick in at most 3 increments of a load direction, too few for an estimate.
+    INCREMENTS_FORCE("increments-force", "More increments; a constant first stage.", "tangential forces do not matter");
+    /// More than 10 % of the friction work is due to increments.
+    INCREMENTS_WORK("increments-work", "More increments, or the corrected value; loads and interference that grow from 0.",
+        "the work does not matter");
+}
+
 /// The error of the friction work above which a warning is given, as a share.
 const WORK: f64 = 0.1;
 
@@ -30,7 +39,7 @@ pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     let is_loaded = model.loading.is_present_at_start(model.problem.displacements());
     let work = found.filter(is_wrong).map(|found| work(found, is_loaded, &model.units()));
     let force = estimates.start.filter(|error| *error > FORCE).map(of_start).or_else(|| force(solved));
-    let force = force.map(|message| Warning { kind: WarningKind::IncrementsForce, message });
+    let force = force.map(|message| WarningKind::INCREMENTS_FORCE.warning(message));
     work.into_iter().chain(force).collect()
 }
 
@@ -41,7 +50,7 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning 
         let message = format!(
             "the increments leave an error of more than 100 % of the friction work, {value}; take four times as many"
         );
-        return Warning { kind: WarningKind::IncrementsWork, message };
+        return WarningKind::INCREMENTS_WORK.warning(message);
     }
     // The first increment applies what exists at t = 0 at once, however short it is.
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
@@ -58,7 +67,7 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning 
         100.0 * found.work_error,
         energy(found.friction_work_corrected)
     );
-    Warning { kind: WarningKind::IncrementsWork, message }
+    WarningKind::INCREMENTS_WORK.warning(message)
 }
 
 /// Warns that the first increment applies the actions at t = 0 together with their changes.

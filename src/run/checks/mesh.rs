@@ -4,6 +4,16 @@ use super::locking;
 use super::prelude::*;
 use crate::body::fem::Element;
 
+kinds! {
+    /// The error of the mesh is above 15 % in the energy norm.
+    COARSE_MESH("coarse-mesh", "Refine where the field `discretisation_error` is large; second order.",
+        "the errors in the message suffice");
+    /// The mesh error of the largest tangential force is above 5 %, where that of the body is small.
+    TANGENTIAL_COARSE("tangential-coarse", "Refine; second order.", "tangential forces do not matter");
+    /// Poisson's ratio is 0.45 or more: stresses are more than 10 % off, and three times as much as the error of the mesh.
+    ROUGH_STRESSES("rough-stresses", "`b-bar`, `nodal-volume`, refine.", "only forces and displacements matter");
+}
+
 /// The error of the largest tangential force by the mesh above which a warning is given, if that of the body is small.
 const TANGENTIAL: f64 = 0.05;
 
@@ -37,7 +47,7 @@ fn coarse(error: f64) -> Option<Warning> {
         100.0 * error * error,
         100.0 * (error / OF_SINGULAR).powi(2)
     );
-    (error > COARSE).then_some(Warning { kind: WarningKind::CoarseMesh, message })
+    (error > COARSE).then_some(WarningKind::COARSE_MESH.warning(message))
 }
 
 /// Warns if the mesh is too coarse for tangential forces much smaller than the normal ones.
@@ -47,7 +57,7 @@ fn coarse_for_friction(error: f64) -> Option<Warning> {
          field `discretisation_error` is large, or use elements of second order",
         100.0 * error
     );
-    (error > TANGENTIAL).then_some(Warning { kind: WarningKind::TangentialCoarse, message })
+    (error > TANGENTIAL).then_some(WarningKind::TANGENTIAL_COARSE.warning(message))
 }
 
 /// Warns if stresses in the body are much less accurate than displacements.
@@ -69,5 +79,5 @@ fn inaccurate(Solved { model, estimates, .. }: &Solved<'_>) -> Option<Warning> {
         100.0 * stresses,
         100.0 * whole
     );
-    (stresses > ROUGH && stresses > FAR * whole).then_some(Warning { kind: WarningKind::RoughStresses, message })
+    (stresses > ROUGH && stresses > FAR * whole).then_some(WarningKind::ROUGH_STRESSES.warning(message))
 }

@@ -5,6 +5,17 @@ use super::prelude::*;
 use crate::body::contact::holes_in_front_of;
 use crate::body::description::Action;
 
+kinds! {
+    /// A border between layers cuts elements.
+    LAYERS_THROUGH_ELEMENTS("layers-through-elements", "Let elements end there.", "the border's place does not matter", before);
+    /// A load acts on supports only.
+    IDLE_LOAD("idle-load", "Remove it, or free the direction.", "intended", before);
+    /// A coefficient of friction is above 2, as if in percent.
+    LARGE_FRICTION("large-friction", "Correct it; to prevent sliding use `glue` or a support.", "intended", before);
+    /// A surface of triangles has a hole or crack in front of its boundary, where nothing presses.
+    SURFACE_HOLE("surface-hole", "Repair the file.", "the part has that hole", before);
+}
+
 /// The largest plausible coefficient of friction: soft rubber on dry asphalt reaches 1.5.
 const PLAUSIBLE: f64 = 2.0;
 
@@ -15,10 +26,10 @@ impl Warning {
     /// Returns the warnings known before the solution of a model.
     pub fn of_model(model: &Model) -> Vec<Self> {
         let messages = [
-            (WarningKind::LayersThroughElements, layers_through_elements(model)),
-            (WarningKind::IdleLoad, idle_load(model)),
-            (WarningKind::LargeFriction, large_friction(model)),
-            (WarningKind::SurfaceHole, surface_hole(model)),
+            (WarningKind::LAYERS_THROUGH_ELEMENTS, layers_through_elements(model)),
+            (WarningKind::IDLE_LOAD, idle_load(model)),
+            (WarningKind::LARGE_FRICTION, large_friction(model)),
+            (WarningKind::SURFACE_HOLE, surface_hole(model)),
         ];
         let found = messages.into_iter().filter_map(|(kind, message)| Some(Warning { kind, message: message? }));
         locking::expected(model).into_iter().chain(found).collect()

@@ -3,6 +3,14 @@
 use super::prelude::*;
 use crate::body::model::{BetweenNodes, Overlap, TOLERATED_SHARE};
 
+kinds! {
+    /// A node is inside an obstacle that it does not meet, by more than a tenth of the indentation.
+    OBSTACLE_NOT_MET("obstacle-not-met", "One `normal` for these obstacles, or one boundary each.", "never");
+    /// The obstacle has details finer than the elements: between nodes its distance is off, or it is inside the body, by
+    /// more than a tenth of the indentation.
+    OBSTACLE_BETWEEN_NODES("obstacle-between-nodes", "Smaller elements there.", "never");
+}
+
 /// The contact node deepest inside an obstacle that it does not meet.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct ObstacleNotMet(Largest<Overlap>);
@@ -29,14 +37,13 @@ impl Check for ObstacleNotMet {
                  the beginning; give these obstacles one `normal`, with direction = \"normal\", or one boundary each"
                 .to_string(),
         };
-        let message = format!(
+        Some(WarningKind::OBSTACLE_NOT_MET.warning(format!(
             "the contact node at {} is {} inside {} at t = {time} s, {}, {cure}",
             model.units().point(model.contact.nodes[contact].position),
             model.units().rounded(Quantity::Length, depth, 3),
             model.obstacle_key(obstacle),
             so_far.beside(depth)
-        );
-        Some(Warning { kind: WarningKind::ObstacleNotMet, message })
+        )))
     }
 }
 
@@ -65,7 +72,7 @@ impl Check for ObstacleBetweenNodes {
             so_far.beside(*missed),
             length(*size)
         );
-        let warning = Warning { kind: WarningKind::ObstacleBetweenNodes, message };
+        let warning = WarningKind::OBSTACLE_BETWEEN_NODES.warning(message);
         (*missed > TOLERATED_SHARE * so_far.indentation).then_some(warning)
     }
 }

@@ -5,6 +5,15 @@ use crate::body::contact::Passed;
 use crate::body::mesh::Boundary;
 use crate::body::model::Pair;
 
+kinds! {
+    /// More than 5 % of a contact force is on slave nodes beyond the end of the master (less than half covered). A body
+    /// may seem to rest where it would tip.
+    BEYOND_THE_END("beyond-the-end", "Exchange the sides, or put nodes where the other body ends.", "never");
+    /// A node entered another body without a contact there, by more than 2 % of what the bodies deform; beside a contact,
+    /// a given `gap` counts.
+    PASSED_THROUGH("passed-through", "Define a `[[contact]]`, or a longer `search`.", "never");
+}
+
 /// The pair with the largest share of its normal force on nodes beyond the end of the other body.
 ///
 /// The row of such a node extrapolates the displacement of the other body beyond its end: it presses the nodes at the
@@ -13,7 +22,7 @@ use crate::body::model::Pair;
 pub(super) struct BeyondTheEnd(usize);
 
 impl Finding for BeyondTheEnd {
-    const KIND: WarningKind = WarningKind::BeyondTheEnd;
+    const KIND: WarningKind = WarningKind::BEYOND_THE_END;
     const LIMIT: f64 = 0.05;
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {
@@ -50,7 +59,7 @@ impl Finding for BeyondTheEnd {
 }
 
 impl Finding for Passed {
-    const KIND: WarningKind = WarningKind::PassedThrough;
+    const KIND: WarningKind = WarningKind::PASSED_THROUGH;
     const LIMIT: f64 = f64::NEG_INFINITY;
 
     fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)> {

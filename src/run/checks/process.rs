@@ -5,11 +5,23 @@ use crate::algebra::linear::Statistics;
 use crate::algebra::linear::process::blas::{Blas, KERNEL_VARIABLE};
 use crate::solver::history::LinearAlgebra;
 
+kinds! {
+    /// `--uniqueness` failed, as for want of memory, or `output.cycle = "last"` found no cycle.
+    NOT_COMPUTED("not-computed", "See the message.", "the other results suffice; they are complete");
+    /// The BLAS is slower than the processor allows.
+    SLOW_BLAS("slow-blas", "Follow the message; see [the BLAS](command-line.md#the-blas).", "time does not matter", before);
+    /// A direct solver replaced multigrid.
+    MULTIGRID_GAVE_WAY("multigrid-gave-way", "`solver.linear = \"auto\"`.", "time and memory suffice");
+    /// An MPI process has another body than rank 0, or cannot read the scene.
+    RANKS_APART("ranks-apart", "Same scene, options and paths for [all](../howto/large-bodies.md#on-several-processes).",
+        "memory suffices");
+}
+
 impl Warning {
     /// Warns that `result` could not be computed, although the history was solved.
     pub fn of_missing(result: &str, why: &dyn std::error::Error) -> Self {
         let message = format!("{result} could not be computed: {why}; all other results are complete");
-        Warning { kind: WarningKind::NotComputed, message }
+        WarningKind::NOT_COMPUTED.warning(message)
     }
 
     /// Warns of a slow BLAS and names the cure.
@@ -24,7 +36,7 @@ impl Warning {
         let message = format!(
             "the BLAS in use is {blas}, which makes factorisations up to several times slower than necessary: {cure}"
         );
-        blas.is_slow().then_some(Warning { kind: WarningKind::SlowBlas, message })
+        blas.is_slow().then_some(WarningKind::SLOW_BLAS.warning(message))
     }
 
     /// Warns that multigrid was `asked` for and stagnated, for the reason `why` if known, or could not begin, so that
@@ -36,15 +48,14 @@ impl Warning {
         why: Option<&str>,
     ) -> Option<Self> {
         if asked && used != "multigrid" && used != "petsc" {
-            let message = format!(
+            return Some(WarningKind::MULTIGRID_GAVE_WAY.warning(format!(
                 "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {used} was used \
                  instead"
-            );
-            return Some(Warning { kind: WarningKind::MultigridGaveWay, message });
+            )));
         }
         let why = why.unwrap_or("it does not suit these matrices");
         linear.instead.map(|instead| Warning {
-            kind: WarningKind::MultigridGaveWay,
+            kind: WarningKind::MULTIGRID_GAVE_WAY,
             message: format!(
                 "multigrid did not converge within 60 iterations, so {instead} took over, which needs more memory: \
                  {why}; use solver.linear = \"auto\""
@@ -60,6 +71,6 @@ impl Warning {
         let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
          the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
          and keep all files at the same paths";
-        apart.then(|| Warning { kind: WarningKind::RanksApart, message: message.to_string() })
+        apart.then(|| Warning { kind: WarningKind::RANKS_APART, message: message.to_string() })
     }
 }

@@ -4,6 +4,15 @@ use super::prelude::*;
 use crate::body::model::LargeMotion;
 use crate::solver::laws::ContactStatus;
 
+kinds! {
+    /// A closed node slid by more than a quarter of the shortest facet edge in front of it.
+    SLID_ACROSS_FACETS("slid-across-facets", "Slide less; a coarser master.",
+        "pressure hardly changes over that distance");
+    /// A rigid body that can turn moved along its contact by more than a tenth of half the pressed width. Forces act where
+    /// they were, so moments about the contact are off by force times motion; a body does not roll.
+    LARGE_MOTION("large-motion", "Hold its rotation; move it less.", "rotation and pressures do not matter");
+}
+
 /// The closed contact node with the largest slip since the beginning relative to the facets in front of it, which are
 /// those of the undeformed state.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -14,7 +23,7 @@ pub(super) struct Slid {
 }
 
 impl Finding for Slid {
-    const KIND: WarningKind = WarningKind::SlidAcrossFacets;
+    const KIND: WarningKind = WarningKind::SLID_ACROSS_FACETS;
     /// Relative to the shortest edge of the facets in front of the node.
     const LIMIT: f64 = 0.25;
 
@@ -47,7 +56,7 @@ impl Finding for Slid {
 }
 
 impl Finding for LargeMotion {
-    const KIND: WarningKind = WarningKind::LargeMotion;
+    const KIND: WarningKind = WarningKind::LARGE_MOTION;
     /// As a share of half the width of the pressed zone. Pressures shift by about this share.
     const LIMIT: f64 = 0.1;
 

@@ -4,6 +4,14 @@ use super::displacements::NOT_SMALL;
 use super::prelude::*;
 use crate::solver::laws::ContactStatus;
 
+kinds! {
+    /// A boundary never touched what is in front of it.
+    NO_CONTACT("no-contact", "See positions and motions in `check`.", "it is a stop that need not be reached");
+    /// A touched obstacle, or with `direction` a boundary, is inclined to the contact normal by a slope above a tenth.
+    LEANING_OBSTACLE("leaning-obstacle", "`direction = \"nearest\"` or another `normal`; between bodies no `direction`.",
+        "never");
+}
+
 /// The first boundary that never touched what is in front of it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct NoContact;
@@ -22,7 +30,7 @@ impl Check for NoContact {
                 format!("`{}` never touched `{master}`; `stickslip check` shows how far apart they are", boundary.name)
             }
         };
-        Some(Warning { kind: WarningKind::NoContact, message })
+        Some(WarningKind::NO_CONTACT.warning(message))
     }
 }
 
@@ -59,6 +67,6 @@ impl Check for LeaningObstacle {
                  presses; use direction = \"nearest\", or another normal"
             )
         };
-        Some(Warning { kind: WarningKind::LeaningObstacle, message })
+        Some(WarningKind::LEANING_OBSTACLE.warning(message))
     }
 }

@@ -6,6 +6,15 @@ use std::collections::BTreeSet;
 use crate::body::constraints::RigidMotion;
 use crate::solver::uniqueness::{NeutralMotion, neutral_motions};
 
+kinds! {
+    /// The body is free to move although forces balance: its place is one of many. Or one contact node can take over what
+    /// others carry, as where glue and contact, two periodic pairs, or two obstacles share nodes: their forces are those
+    /// that keep their friction and have the smallest pressures.
+    NOT_UNIQUE("not-unique", "Add a support. Glue or contact, not both, at [these \
+        nodes](../method/existence.md#contact-rows-that-depend-on-each-other).",
+        "only stresses and forces matter, or only sums over all contacts at these nodes");
+}
+
 /// The first equilibrium whose displacements are not unique.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct NeutralEquilibrium {
@@ -39,14 +48,13 @@ impl Check for NeutralEquilibrium {
             room if room.is_finite() => format!("by up to {}", model.units().rounded(Quantity::Length, room, 3)),
             _ => "by any distance".to_string(),
         };
-        let message = format!(
+        Some(WarningKind::NOT_UNIQUE.warning(format!(
             "at t = {} s contact forces balance the loads, but nothing holds {}: displacements are one of many \
              solutions, which may differ {room} before another node touches, with the same stresses; add a support to \
              make them unique",
             six_digits(*time),
             motion.against(&model.units())
-        );
-        Some(Warning { kind: WarningKind::NotUnique, message })
+        )))
     }
 }
 
@@ -61,12 +69,11 @@ impl Check for SharedForces {
         let dependent = model.problem.of_nodes(&acting).dependent_nodes();
         let nodes: BTreeSet<usize> = dependent.into_iter().map(|k| model.contact.nodes[acting[k]].node).collect();
         let place = model.units().point(model.mesh.nodes[*nodes.first()?]);
-        let message = format!(
+        Some(WarningKind::NOT_UNIQUE.warning(format!(
             "the contact forces at {} nodes, the first at {place}, are not unique, because one contact can take over \
              what others carry: those that keep their friction and have the smallest pressures are told; the sums over \
              all contacts there and the rest of the body do not depend on that",
             nodes.len()
-        );
-        Some(Warning { kind: WarningKind::NotUnique, message })
+        )))
     }
 }

@@ -75,8 +75,7 @@ pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item =
     let mut cures = Vec::new();
     for Warning { kind, message, .. } in warnings {
         let (finding, cure) = message.rsplit_once("; ").unwrap_or((message, ""));
-        let kind = serde_json::json!(kind);
-        say!("warning      {}: {finding}", kind.as_str().unwrap_or_default());
+        say!("warning      {}: {finding}", kind.name());
         if !cure.is_empty() && !cures.contains(&cure) {
             say!("             {cure}");
             cures.push(cure);
