@@ -269,7 +269,7 @@ pub fn by_kind(judged: &[Judged]) -> BTreeMap<&'static str, [usize; 3]> {
     let mut table = BTreeMap::new();
     for (case, kind) in judged.iter().flat_map(|case| case.kinds.iter().map(move |kind| (case, *kind))) {
         let Some(worst) = case.worst_of(kind) else { continue };
-        let counts: &mut [usize; 3] = table.entry(kind.name()).or_default();
+        let counts: &mut [usize; 3] = table.entry(kind.name).or_default();
         counts[0] += 1;
         counts[1] += usize::from(worst > WRONG);
         counts[2] += usize::from(case.is_false(kind));

@@ -49,16 +49,16 @@ pub(super) fn warning(Solved { model, solver, balance, .. }: &Solved<'_>) -> Opt
     let message = match widest.filter(|_| of_forces <= tolerated) {
         Some(pair) => format!(
             "at t = {time} s the forces on the body balance, but their moments do not, by {share:.1e} of their \
-                 sizes: the meshes of `{}` and `{}`, which act on each other, are up to {} apart; let the \
-                 two meet without a gap, on plane facets or with nodes at the same places",
+             sizes: the meshes of `{}` and `{}`, which act on each other, are up to {} apart; let the \
+             two meet without a gap, on plane facets or with nodes at the same places",
             pair.slave,
             pair.master.name,
             model.units().rounded(Quantity::Length, apart(pair), 3)
         ),
         None => format!(
             "at t = {time} s the forces on the body do not balance, by {share:.1e} of their sizes: rounding \
-                 matters, because they are small compared with stiffness times displacements, and they may be \
-                 equally wrong; let the body move less, or move it by supports in place of contact or springs"
+             matters, because they are small compared with stiffness times displacements, and they may be \
+             equally wrong; let the body move less, or move it by supports in place of contact or springs"
         ),
     };
     Some(WarningKind::UNBALANCED.warning(message))

@@ -21,13 +21,7 @@ const LARGE_STRAIN: f64 = 0.01;
 
 /// The largest displacement, with the position of its node, m.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct LargeDisplacements(Largest<[f64; 3]>);
-
-impl LargeDisplacements {
-    pub(super) fn largest(&self) -> Option<LargestDisplacement> {
-        self.0.0.map(|(length, time, position)| LargestDisplacement { length, position, time })
-    }
-}
+pub(super) struct LargeDisplacements(pub(super) Largest<[f64; 3]>);
 
 impl Check for LargeDisplacements {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
@@ -43,28 +37,24 @@ impl Check for LargeDisplacements {
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (units, size) = (model.units(), model.mesh.size());
         let (length, time, position) = self.0.above(NOT_SMALL * size)?;
+        let (place, moved, share) = (units.point(*position), units.rounded(Quantity::Length, length, 3), length / size);
+        let [lengths, stresses] = [Quantity::Length, Quantity::Stress].map(|quantity| units.name(quantity));
         Some(WarningKind::LARGE_DISPLACEMENTS.warning(format!(
-            "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, {:.0} % of the body's \
-             size; are lengths in {}, moduli and tractions in {}?",
-            units.point(*position),
-            units.rounded(Quantity::Length, length, 3),
-            100.0 * length / size,
-            units.name(Quantity::Length),
-            units.name(Quantity::Stress)
+            "displacements are assumed to be small, but the node {place} moves by {moved} at t = {time} s, {:.0} % of the \
+             body's size; are lengths in {lengths}, moduli and tractions in {stresses}?",
+            100.0 * share
         )))
     }
 }
 
 /// Warns if strains are not small. The cause of large displacements is that of the strains.
 pub(super) fn strains(Solved { model, checks, estimates, .. }: &Solved<'_>) -> Option<Warning> {
-    let strain = estimates.strain.filter(|_| !checks.has_large_displacements(model))?;
-    let units = model.units();
-    let message = format!(
-        "strains are assumed to be small, but their mean is {:.1} %: forces and displacements may be off by about as much, \
+    let are_small = || checks.displacements.warning(model, &checks.so_far).is_none();
+    let strain = estimates.strain.filter(|strain| *strain > LARGE_STRAIN && are_small())?;
+    let (share, stresses) = (100.0 * strain, model.units().name(Quantity::Stress));
+    Some(WarningKind::LARGE_STRAINS.warning(format!(
+        "strains are assumed to be small, but their mean is {share:.1} %: forces and displacements may be off by about as much, \
          because linear elasticity neglects their squares and the change of shape; press less, use a program for large \
-         strains, or correct the modulus, which is in {}",
-        100.0 * strain,
-        units.name(Quantity::Stress)
-    );
-    (strain > LARGE_STRAIN).then_some(WarningKind::LARGE_STRAINS.warning(message))
+         strains, or correct the modulus, which is in {stresses}"
+    )))
 }

@@ -28,10 +28,8 @@ const QUADRATIC_LOCKING: f64 = 0.499 + 1e-9;
 pub(super) fn warning(model: &Model, share: f64) -> Option<Warning> {
     let poisson = largest_poisson(model);
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let (tri, quad) = match model.mesh.dimension {
-        2 => ("triangles", "quadrilaterals"),
-        _ => ("tetrahedra", "hexahedra"),
-    };
+    let (tri, quad) =
+        if model.mesh.dimension == 2 { ("triangles", "quadrilaterals") } else { ("tetrahedra", "hexahedra") };
     let (why, nodal) = if poisson >= NEARLY_INCOMPRESSIBLE {
         (format!("its elements lock near nu = 0.5, and nu is {poisson:.6}"), "mesh.element = \"nodal-volume\", ")
     } else {

@@ -38,18 +38,17 @@ impl Check for Passage {
 
     fn fits(&self, model: &Model) -> bool {
         let last = self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok());
-        last && self.deepest.is_none_or(|found| found.contact < model.contact.nodes.len())
+        last && self.deepest.0.as_ref().is_none_or(|(.., found)| found.contact < model.contact.nodes.len())
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (depth, time, found) = self.deepest.above(PASSES * so_far.indentation)?;
+        let passes = if found.distance < 0.0 { "goes through" } else { "leaves" };
+        let place = model.units().point(model.contact.nodes[found.contact].position);
+        let (depth, beside) = (model.units().rounded(Quantity::Length, depth, 3), so_far.beside(depth));
         Some(WarningKind::CURVED_GAPS.warning(format!(
-            "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
-             between the ends of increments is neglected; take more increments",
-            if found.distance < 0.0 { "goes through" } else { "leaves" },
-            model.units().point(model.contact.nodes[found.contact].position),
-            model.units().rounded(Quantity::Length, depth, 3),
-            so_far.beside(depth)
+            "within the increment that ends at t = {time} s an obstacle {passes} the contact node at {place}, by {depth}, \
+             {beside}: friction between the ends of increments is neglected; take more increments"
         )))
     }
 }
@@ -61,12 +60,10 @@ pub(super) fn along_chords(Solved { model, outcome, solver, .. }: &Solved<'_>) -
     if !solver.method.is_exact_path() || off <= OFF * moved {
         return None;
     }
-    let units = model.units();
+    let (error, share) = (model.units().rounded(Quantity::Length, off, 2), off / moved);
     Some(WarningKind::CURVED_GAPS.warning(format!(
         "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
-         errors up to {} ({:.1e} of the largest displacement); four times as many increments as chords \
-         reduce them to a sixteenth",
-        units.rounded(Quantity::Length, off, 2),
-        off / moved
+         errors up to {error} ({share:.1e} of the largest displacement); four times as many increments as chords \
+         reduce them to a sixteenth"
     )))
 }

@@ -27,9 +27,7 @@ impl Warning {
     /// Warns of a slow BLAS and names the cure.
     pub fn of_blas(blas: &Blas) -> Option<Self> {
         let cure = match blas.better_kernel {
-            Some(better) if blas.selectable => {
-                format!("set {KERNEL_VARIABLE}={better} in the environment")
-            }
+            Some(better) if blas.selectable => format!("set {KERNEL_VARIABLE}={better} in the environment"),
             Some(_) => "install an OpenBLAS that was built for several processors".to_string(),
             None => "install OpenBLAS, or BLIS or MKL".to_string(),
         };
@@ -47,30 +45,27 @@ impl Warning {
         used: &str,
         why: Option<&str>,
     ) -> Option<Self> {
-        if asked && used != "multigrid" && used != "petsc" {
-            return Some(WarningKind::MULTIGRID_GAVE_WAY.warning(format!(
-                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {used} was used \
-                 instead"
-            )));
-        }
-        let why = why.unwrap_or("it does not suit these matrices");
-        linear.instead.map(|instead| Warning {
-            kind: WarningKind::MULTIGRID_GAVE_WAY,
-            message: format!(
+        let message = if asked && used != "multigrid" && used != "petsc" {
+            format!(
+                "multigrid cannot treat two obstacles at a node, or contact rows shared by nodes: {used} was used instead"
+            )
+        } else {
+            let (instead, why) = (linear.instead?, why.unwrap_or("it does not suit these matrices"));
+            format!(
                 "multigrid did not converge within 60 iterations, so {instead} took over, which needs more memory: \
                  {why}; use solver.linear = \"auto\""
-            ),
-        })
+            )
+        };
+        Some(WarningKind::MULTIGRID_GAVE_WAY.warning(message))
     }
 
     /// Warns that rank 0 has the whole stiffness although several processes might share it, because one of them has
     /// another body.
     pub(in crate::run) fn of_ranks(model: &Model, linear: LinearAlgebra, ranks: usize) -> Option<Self> {
-        let apart =
-            ranks > 1 && linear.iterates() && model.has_rows() && model.problem.stiffness().distributed().is_none();
+        let is_whole = model.has_rows() && model.problem.stiffness().distributed().is_none();
         let message = "a process has another body than rank 0, or cannot read the scene, so rank 0 has assembled \
          the whole stiffness, which needs more memory there: start all processes with the same scene and options, \
          and keep all files at the same paths";
-        apart.then(|| Warning { kind: WarningKind::RANKS_APART, message: message.to_string() })
+        (ranks > 1 && linear.iterates() && is_whole).then(|| WarningKind::RANKS_APART.warning(message.to_string()))
     }
 }

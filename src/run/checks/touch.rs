@@ -12,31 +12,24 @@ kinds! {
         "never");
 }
 
-/// The first boundary that never touched what is in front of it.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct NoContact;
-
-impl Check for NoContact {
-    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
-        // Without a converged increment, nothing is known of the contact.
-        let mut boundaries = model.contact.boundaries.iter().filter(|_| so_far.increments > 0);
-        let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| so_far.touched[i]))?;
-        let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
-            None => format!(
-                "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
-                boundary.name
-            ),
-            Some(master) => {
-                format!("`{}` never touched `{master}`; `stickslip check` shows how far apart they are", boundary.name)
-            }
-        };
-        Some(WarningKind::NO_CONTACT.warning(message))
-    }
+/// Warns of the first boundary that never touched what is in front of it.
+pub(super) fn no_contact(Solved { model, checks, .. }: &Solved<'_>) -> Option<Warning> {
+    // Without a converged increment, nothing is known of the contact.
+    let mut boundaries = model.contact.boundaries.iter().filter(|_| checks.so_far.increments > 0);
+    let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| checks.so_far.touched[i]))?;
+    let name = &boundary.name;
+    let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
+        None => format!(
+            "`{name}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves"
+        ),
+        Some(master) => format!("`{name}` never touched `{master}`; `stickslip check` shows how far apart they are"),
+    };
+    Some(WarningKind::NO_CONTACT.warning(message))
 }
 
 /// The contact node that touched the obstacle with the largest slope against the node's normal, and the slope.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct LeaningObstacle(Option<(usize, f64)>);
+pub(super) struct LeaningObstacle(pub(super) Option<(usize, f64)>);
 
 impl Check for LeaningObstacle {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {

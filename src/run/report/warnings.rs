@@ -1,9 +1,9 @@
 //! Warnings: reasons why a result may be inaccurate although every law holds, and why a run is slow.
 
-use serde::{Serialize, Serializer};
+use serde::{Deserialize, Serialize, Serializer};
 
 /// A warning.
-#[derive(Debug, Clone, PartialEq, Serialize, schemars::JsonSchema)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct Warning {
     /// The kind of the warning.
@@ -14,25 +14,21 @@ pub struct Warning {
 
 /// The kind of a warning, with what the page of warnings says of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct WarningKind {
-    pub(in crate::run) name: &'static str,
-    pub(in crate::run) meaning: &'static str,
-    pub(in crate::run) cure: &'static str,
-    pub(in crate::run) ignored_if: &'static str,
-    pub(in crate::run) is_known_before: bool,
+    /// The name in reports.
+    pub name: &'static str,
+    /// The meaning, as Markdown.
+    pub meaning: &'static str,
+    /// The cure, as Markdown with links from the folder of the page.
+    pub cure: &'static str,
+    /// The condition to ignore the warning.
+    pub ignored_if: &'static str,
+    /// `true` if the warning is known only after the solution. Locking is also predicted before it.
+    pub needs_the_solution: bool,
 }
 
 impl WarningKind {
-    /// Returns the name, as reports have it.
-    pub fn name(self) -> &'static str {
-        self.name
-    }
-
-    /// Returns `true` if the warning is known only after the solution. Locking is also predicted before it.
-    pub fn needs_the_solution(self) -> bool {
-        !self.is_known_before
-    }
-
     /// Returns `true` if the warning is never to be ignored: results may be those of another problem.
     pub fn is_grave(self) -> bool {
         self.ignored_if == "never"
@@ -58,10 +54,10 @@ macro_rules! kinds {
             $($(#[doc = $meaning])*
             pub const $kind: WarningKind = WarningKind {
                 name: $name,
-                meaning: concat!($($meaning),*),
+                meaning: concat!($($meaning),*).trim_ascii_start(),
                 cure: $cure,
                 ignored_if: $ignored_if,
-                is_known_before: !stringify!($($before)?).is_empty(),
+                needs_the_solution: stringify!($($before)?).is_empty(),
             };)*
         }
 

@@ -46,7 +46,7 @@ pub(super) fn warnings(args: &WarningsArgs) -> miette::Result<Answer> {
 
 fn row(judged: &Judged) -> Vec<String> {
     let Judged { case, status, errors, kinds } = judged;
-    let kinds: Vec<&str> = kinds.iter().map(|kind| kind.name()).collect();
+    let kinds: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
     let errors = errors.map(|error| error.map_or(String::new(), |error| format!("{:.1} %", 100.0 * error)));
     let silent: Vec<&str> =
         QUANTITIES.into_iter().zip(judged.silent()).filter_map(|(name, silent)| silent.then_some(name)).collect();
