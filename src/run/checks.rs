@@ -1,9 +1,12 @@
-//! Checks of the assumptions of the equations in the increments of a history.
+//! Checks of the assumptions of the equations, and the warnings that follow.
 //!
-//! A check has a file, alone or with others of its kind: its measure, its threshold and its sentence. A new check of
-//! the increments is a type that implements [`Finding`] or [`Check`], and a line in the list of [`Checks`]. One of the
-//! results is a function, and a line in [`Solved::warnings`].
+//! A check is a file with its kind of warning ([`kinds!`]), threshold, measure and sentence. A new one is a file, its
+//! `mod`, and a line in the list [`checks!`] with one of these:
+//! - a function of an increment, which returns a warning and its size, as in `friction.rs`;
+//! - a type that implements [`Check`] and keeps more of the history, as in `passage.rs`;
+//! - a function of the results in [`Solved`], as in `jumps.rs`.
 
+mod balance;
 mod contact_zone;
 mod displacements;
 mod facets;
@@ -22,30 +25,37 @@ mod sliding;
 mod touch;
 mod unique;
 
+use std::borrow::Cow;
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::{Deserializer, de::Error};
+use serde_json::json;
+
 use prelude::*;
 
 /// The names that every check uses.
 mod prelude {
     pub(super) use serde::{Deserialize, Serialize};
 
-    pub(super) use super::{Check, Finding, Largest, SoFar, Solved};
+    pub(super) use super::{Check, Largest, SoFar, Solved};
     pub(super) use crate::base::units::{Quantity, six_digits};
     pub(super) use crate::body::model::Model;
-    pub(super) use crate::run::report::{LargestDisplacement, Warning, WarningKind};
+    pub(super) use crate::run::report::{LargestDisplacement, Warning, WarningKind, kinds};
     pub(super) use crate::solver::history::IncrementView;
 }
 
+pub(super) use balance::BalanceWatch;
+
 use super::force_jumps::ForceJump;
-use super::report::{BalanceWatch, Estimates, is_as_large};
-use crate::body::contact::Passed;
-use crate::body::model::{LargeMotion, RangeLeft};
+use super::report::{Estimates, is_as_large};
+use crate::body::model::RangeLeft;
 use crate::solver::history::{HistoryOutcome, SolverChoice, Status};
 use crate::solver::laws::ContactStatus;
 
 /// An assumption of the equations, and what the history tells of it.
 trait Check {
     /// Examines the end of a converged increment.
-    fn observe(&mut self, _model: &Model, _step: &IncrementView<'_>, _so_far: &SoFar) {}
+    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar);
 
     /// Returns the warning, if the assumption is violated.
     fn warning(&self, _model: &Model, _so_far: &SoFar) -> Option<Warning> {
@@ -55,11 +65,6 @@ trait Check {
     /// Returns `true` if its indices, restored from a checkpoint, are of `model`.
     fn fits(&self, _model: &Model) -> bool {
         true
-    }
-
-    /// Returns all warnings of a check that may have several.
-    fn warnings(&self, model: &Model, so_far: &SoFar) -> Vec<Warning> {
-        self.warning(model, so_far).into_iter().collect()
     }
 }
 
@@ -97,22 +102,6 @@ impl SoFar {
     }
 }
 
-/// A finding of an increment, of which the largest in a history violates an assumption.
-trait Finding: Sized {
-    const KIND: WarningKind;
-    /// The size above which it is reported, in the unit of [`Finding::measure`].
-    const LIMIT: f64;
-
-    /// Returns the largest finding at the end of an increment, and its size.
-    fn measure(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Self)>;
-
-    /// Returns `true` if its indices, restored from a checkpoint, are of `model`.
-    fn fits(&self, model: &Model) -> bool;
-
-    /// Describes the finding, with its size and its time in six digits, s.
-    fn sentence(&self, model: &Model, size: f64, time: f64) -> String;
-}
-
 /// The largest finding of a history, its size and its time, s. The first of equally large ones counts.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Largest<T>(Option<(f64, f64, T)>);
@@ -133,11 +122,6 @@ impl<T> Largest<T> {
         }
     }
 
-    /// Returns `true` if the finding is one of those that `fit`, or there is none.
-    fn is_none_or(&self, fit: impl Fn(&T) -> bool) -> bool {
-        self.0.as_ref().is_none_or(|(_, _, found)| fit(found))
-    }
-
     /// Returns the size, the time in six digits, s, and the finding, if the size exceeds `limit`.
     fn above(&self, limit: f64) -> Option<(f64, f64, &T)> {
         let (size, time, found) = self.0.as_ref().filter(|(size, ..)| *size > limit)?;
@@ -145,29 +129,17 @@ impl<T> Largest<T> {
     }
 }
 
-impl<T: Finding> Check for Largest<T> {
-    fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
-        self.add(step, T::measure(model, step));
-    }
-
-    fn fits(&self, model: &Model) -> bool {
-        self.is_none_or(|found| found.fits(model))
-    }
-
-    fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
-        let (size, time, found) = self.above(T::LIMIT)?;
-        Some(Warning { kind: T::KIND, message: found.sentence(model, size, time) })
-    }
-}
-
-/// Declares the list of the checks, in the order of their warnings.
+/// Declares the list of the modules with kinds of warnings, in the order of their warnings. Behind a module stand, as far
+/// as it has them: in parentheses its functions of an increment, of whose warnings the largest of a history is given; in
+/// braces its types that implement [`Check`]; behind the arrow its function of the results.
 macro_rules! checks {
-    ($($check:ident: $kind:ty,)*) => {
-        /// All checks, with what they keep of a history.
+    ($($module:ident
+        $(($($largest:ident),*))? $({ $($check:ident: $of_history:ty),* })? $(=> $of_results:ident)?;)*) => {
+        /// What the checks keep of a history.
         #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
         pub(super) struct Checks {
             so_far: SoFar,
-            $($check: $kind,)*
+            $($($($largest: Largest<Warning>,)*)? $($($check: $of_history,)*)?)*
         }
 
         impl Checks {
@@ -175,62 +147,70 @@ macro_rules! checks {
             pub(super) fn observe(&mut self, model: &Model, step: &IncrementView<'_>) {
                 if step.record.status == Status::Converged {
                     self.so_far.observe(model, step);
-                    $(self.$check.observe(model, step, &self.so_far);)*
+                    $($($(self.$largest.add(step, $module::$largest(model, step));)*)?)*
+                    $($($(self.$check.observe(model, step, &self.so_far);)*)?)*
                 }
             }
 
             /// Returns `true` if the checks, restored from a checkpoint, are of `model`.
             pub(super) fn fit(&self, model: &Model) -> bool {
-                self.so_far.touched.len() == model.contact.nodes.len() $(&& self.$check.fits(model))*
+                self.so_far.touched.len() == model.contact.nodes.len() $($($(&& self.$check.fits(model))*)?)*
             }
+        }
 
-            /// Returns the warnings.
-            pub(super) fn warnings(&self, model: &Model) -> Vec<Warning> {
-                [$(self.$check.warnings(model, &self.so_far)),*].concat()
+        impl Solved<'_> {
+            /// Returns the warnings of the increments and of the results.
+            fn found(&self) -> Vec<Warning> {
+                let (mut warnings, checks) = (Vec::new(), self.checks);
+                $(
+                    $($(warnings.extend(checks.$largest.0.iter().map(|(.., warning)| warning.clone()));)*)?
+                    $($(warnings.extend(checks.$check.warning(self.model, &checks.so_far));)*)?
+                    $(warnings.extend($module::$of_results(self));)?
+                )*
+                warnings
             }
+        }
+
+        /// Returns all kinds of warnings, by name.
+        fn kinds() -> Vec<WarningKind> {
+            let mut kinds = [$($module::KINDS),*].concat();
+            kinds.sort_by_key(|kind| kind.name);
+            kinds
         }
     };
 }
 
 checks! {
-    no_contact: touch::NoContact,
-    leaning: touch::LeaningObstacle,
-    displacements: displacements::LargeDisplacements,
-    range: range::GapsOutOfRange,
-    beyond_the_end: Largest<pairs::BeyondTheEnd>,
-    passed_through: Largest<Passed>,
-    faceted_gaps: facets::FacetedGaps,
-    faceted_obstacle: facets::FacetedObstacle,
-    friction: Largest<friction::LeftOut>,
-    not_met: obstacles::ObstacleNotMet,
-    between_nodes: obstacles::ObstacleBetweenNodes,
-    passage: passage::Passage,
-    slid: Largest<sliding::Slid>,
-    large_motion: Largest<LargeMotion>,
-    neutral: unique::NeutralEquilibrium,
-    shared_forces: unique::SharedForces,
+    touch { leaning: touch::LeaningObstacle } => no_contact;
+    displacements { displacements: displacements::LargeDisplacements } => strains;
+    range { range: range::GapsOutOfRange };
+    pairs (beyond_the_end, passed_through);
+    facets { faceted_gaps: facets::FacetedGaps, faceted_obstacle: facets::FacetedObstacle } => of_pairs;
+    friction (left_out);
+    obstacles { not_met: obstacles::ObstacleNotMet, between_nodes: obstacles::ObstacleBetweenNodes };
+    passage { passage: passage::Passage } => along_chords;
+    sliding (slid, large_motion);
+    unique { neutral: unique::NeutralEquilibrium } => shared_forces;
+    contact_zone => warnings;
+    mesh => warnings;
+    increments => warnings;
+    jumps => warning;
+    balance => warning;
+    locking;
+    model;
+    process;
 }
 
 impl Checks {
     /// Returns the largest displacement, if there was any increment.
     pub(super) fn largest_displacement(&self) -> Option<LargestDisplacement> {
-        self.displacements.largest()
+        let (length, time, position) = self.displacements.0.0?;
+        Some(LargestDisplacement { length, position, time })
     }
 
     /// Returns the largest error of the linearised gaps, if they were out of their range.
     pub(super) fn range_left(&self) -> Option<RangeLeft> {
         self.range.0
-    }
-
-    /// Returns `true` if displacements are not small.
-    pub(super) fn has_large_displacements(&self, model: &Model) -> bool {
-        self.displacements.warning(model, &self.so_far).is_some()
-    }
-
-    /// Returns `true` if facets change the gaps in front of `boundary` so much that warnings of its pressures would
-    /// name the wrong cause.
-    pub(super) fn has_faceted_gaps(&self, model: &Model, boundary: &str) -> bool {
-        self.faceted_gaps.are_of(model, boundary) || self.faceted_obstacle.is_of(model, boundary, &self.so_far)
     }
 }
 
@@ -251,21 +231,35 @@ impl Solved<'_> {
     pub(super) fn warnings(&self) -> Vec<Warning> {
         let mut warnings = Warning::of_model(self.model);
         // The locking found in the solution replaces the expected one.
-        warnings.retain(|warning| warning.kind != WarningKind::Locking || self.estimates.locking.is_none());
-        warnings.extend(self.checks.warnings(self.model));
-        warnings.extend(contact_zone::warnings(self));
-        warnings.extend(mesh::warnings(self));
-        warnings.extend(displacements::strains(self));
-        warnings.extend(increments::warnings(self));
-        warnings.extend(passage::along_chords(self));
-        warnings.extend(jumps::of_forces(self));
-        warnings.extend(self.balance.unbalanced(self.model, self.solver.tolerance));
+        warnings.retain(|warning| warning.kind != WarningKind::LOCKING || self.estimates.locking.is_none());
+        warnings.extend(self.found());
         warnings
+    }
+}
+
+impl<'de> Deserialize<'de> for WarningKind {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        let kind = kinds().into_iter().find(|kind| kind.name == name);
+        kind.ok_or_else(|| D::Error::custom("no kind of warning"))
+    }
+}
+
+impl JsonSchema for WarningKind {
+    fn schema_name() -> Cow<'static, str> {
+        "WarningKind".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        let of = |kind: &WarningKind| json!({"type": "string", "const": kind.name, "description": kind.meaning});
+        json_schema!({"description": "The kind of a warning.", "oneOf": kinds().iter().map(of).collect::<Vec<_>>()})
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
     use crate::body::contact::Obstacle;
     use crate::body::description::{Axis, Description};
@@ -274,18 +268,47 @@ mod tests {
 
     /// A checkpoint may be damaged although its checksum is right.
     #[test]
-    fn a_node_beyond_the_mesh_does_not_fit() {
+    fn a_node_beyond_the_contact_does_not_fit() {
         let plate = Description::new(MeshSource::block([2.0, 1.0], [4, 2]), Material::new(1e9, 0.3), vec![1.0])
             .support("top", &[Axis::X, Axis::Y])
             .contact("bottom", 0.3, Obstacle::plane(1e-3));
         let model = Model::build(&plate).unwrap();
-        let (nodes, contacts) = (model.mesh.nodes.len(), model.contact.nodes.len());
-        let checks = |contacts: usize, node: usize| Checks {
+        let contacts = model.contact.nodes.len();
+        let checks = |contacts: usize, contact: usize| Checks {
             so_far: SoFar { touched: vec![false; contacts], ..SoFar::default() },
-            passed_through: Largest(Some((1.0, 0.5, Passed { node, bodies: [0, 1], depth: 1.0, apart: 0.0 }))),
+            leaning: touch::LeaningObstacle(Some((contact, 1.0))),
             ..Checks::default()
         };
-        let fit = |contacts: usize, node: usize| checks(contacts, node).fit(&model);
-        assert_eq!([fit(contacts, nodes - 1), fit(contacts, nodes), fit(contacts + 1, 0)], [true, false, false]);
+        let fit = |contacts: usize, contact: usize| checks(contacts, contact).fit(&model);
+        assert_eq!([fit(contacts, contacts - 1), fit(contacts, contacts), fit(contacts + 1, 0)], [true, false, false]);
+    }
+
+    /// The table of the page of warnings is that of the kinds. `PAGES=write` writes it.
+    #[test]
+    fn the_page_has_the_kinds() {
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/doc/reference/warnings.md");
+        let page = fs::read_to_string(path).unwrap();
+        let (head, rest) = page.split_once("| --- | --- | --- | --- |\n").unwrap();
+        let (_, tail) = rest.split_once("\n\n").unwrap();
+        let row = |WarningKind { name, meaning, cure, ignored_if, needs_the_solution }: &WarningKind| {
+            let mark = if *needs_the_solution { "" } else { "¹" };
+            format!("| `{name}`{mark} | {meaning} | {cure} | {ignored_if} |")
+        };
+        let table = kinds().iter().map(row).collect::<Vec<_>>().join("\n");
+        let made = format!("{head}| --- | --- | --- | --- |\n{table}\n\n{tail}");
+        if std::env::var("PAGES").is_ok_and(|word| word == "write") {
+            fs::write(path, &made).unwrap();
+        } else {
+            assert_eq!(page, made, "PAGES=write writes the page");
+        }
+    }
+
+    /// A name stands for one kind, and each kind has all that the page says.
+    #[test]
+    fn kinds_are_complete() {
+        let kinds = kinds();
+        assert!(kinds.windows(2).all(|pair| pair[0].name < pair[1].name));
+        let texts = kinds.iter().flat_map(|kind| [kind.meaning, kind.cure, kind.ignored_if]);
+        assert!(texts.into_iter().all(|text| !text.is_empty() && !text.contains(['|', '\n'])));
     }
 }

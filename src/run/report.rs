@@ -22,7 +22,6 @@ mod unknowns;
 mod usage;
 mod warnings;
 
-pub(crate) use balance::BalanceWatch;
 pub use balance::{AppliedForce, BalanceRecord, PointRecord, SectionRecord};
 pub use contact_line::{ContactLine, ContactPoint, points as contact_points};
 pub use csv::{line as csv_line, number as csv_number, table as csv_table};
@@ -50,4 +49,5 @@ pub use run::{ExactPath, LargestDisplacement, RunReport, SCHEMA_VERSION, Totals}
 pub use thinned::Thinned;
 pub use unknowns::{EliminatedUnknown, Unknowns};
 pub use usage::{RankRecord, cpu_seconds, peak_rss_bytes, thread_cpu_seconds};
+pub(super) use warnings::kinds;
 pub use warnings::{Warning, WarningKind};

@@ -2,13 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::checks::Checks;
+use super::checks::{BalanceWatch, Checks};
 use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
-use crate::run::report::{
-    BalanceRecord, BalanceWatch, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch,
-};
+use crate::run::report::{BalanceRecord, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
 use crate::solver::history::{IncrementRecord, IncrementView, Observer, Status};

@@ -250,34 +250,29 @@ impl Judged {
 /// Whether a kind of warning speaks of the peak pressure, of the tangential force, and of the work of friction.
 pub fn speaks_of(kind: WarningKind) -> [bool; 3] {
     match kind {
-        WarningKind::PeakScatter
-        | WarningKind::SingularEdge
-        | WarningKind::UnevenElements
-        | WarningKind::BeyondTheEnd
-        | WarningKind::RoughStresses => [true, false, false],
-        WarningKind::IncrementsWork | WarningKind::SlipZoneCoarse => [false, false, true],
-        WarningKind::IncrementsForce | WarningKind::Jump | WarningKind::TangentialCoarse => [false, true, true],
+        WarningKind::PEAK_SCATTER
+        | WarningKind::SINGULAR_EDGE
+        | WarningKind::UNEVEN_ELEMENTS
+        | WarningKind::BEYOND_THE_END
+        | WarningKind::ROUGH_STRESSES => [true, false, false],
+        WarningKind::INCREMENTS_WORK | WarningKind::SLIP_ZONE_COARSE => [false, false, true],
+        WarningKind::INCREMENTS_FORCE | WarningKind::JUMP | WarningKind::TANGENTIAL_COARSE => [false, true, true],
         // Of the width of that zone, which is none of them.
-        WarningKind::StickZoneCoarse => [false; 3],
+        WarningKind::STICK_ZONE_COARSE => [false; 3],
         _ => [true; 3],
     }
 }
 
 /// Of each kind of warning: how many scenes had it, in how many of them a quantity that it speaks of was wrong, and in how many all of
 /// these were right.
-pub fn by_kind(judged: &[Judged]) -> BTreeMap<String, [usize; 3]> {
+pub fn by_kind(judged: &[Judged]) -> BTreeMap<&'static str, [usize; 3]> {
     let mut table = BTreeMap::new();
     for (case, kind) in judged.iter().flat_map(|case| case.kinds.iter().map(move |kind| (case, *kind))) {
         let Some(worst) = case.worst_of(kind) else { continue };
-        let counts: &mut [usize; 3] = table.entry(name(kind)).or_default();
+        let counts: &mut [usize; 3] = table.entry(kind.name).or_default();
         counts[0] += 1;
         counts[1] += usize::from(worst > WRONG);
         counts[2] += usize::from(case.is_false(kind));
     }
     table
-}
-
-/// The word that reports have for a kind of warning.
-pub fn name(kind: WarningKind) -> String {
-    serde_json::to_value(kind).ok().and_then(|value| value.as_str().map(str::to_string)).unwrap_or_default()
 }

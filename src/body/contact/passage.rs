@@ -10,8 +10,6 @@
 
 use std::collections::BTreeSet;
 
-use serde::{Deserialize, Serialize};
-
 use super::mortar::Mortar;
 use super::tree::{Bounds, Tree};
 use super::triangles::nearest_of;
@@ -30,7 +28,7 @@ const LEAST_DEPTH: f64 = 1e-9;
 const COVERED: f64 = 0.5;
 
 /// A node that has entered a body.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Passed {
     /// The number of the node in the mesh.
     pub node: usize,

@@ -2,8 +2,6 @@
 
 use std::collections::BTreeSet;
 
-use serde::{Deserialize, Serialize};
-
 use super::Model;
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
 use crate::body::constraints::RigidMotion;
@@ -139,7 +137,7 @@ fn remove(basis: &[Vec<f64>], x: &mut [f64]) {
 
 /// A rigid body that has moved along its contact, and that supports do not hold against rotation. With small displacements
 /// forces act where they were, so that their moment about the contact is off by force times motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LargeMotion {
     /// The number of the coupling.
     pub coupling: usize,

@@ -2,8 +2,30 @@
 
 use super::prelude::*;
 use crate::base::units::UnitSystem;
-use crate::body::estimate::{ContactEstimate, HertzContact, peak_error};
+use crate::body::estimate::{ContactEstimate, HertzContact, StickZone, peak_error};
 use crate::run::report::ISOLATED;
+
+kinds! {
+    /// More than a tenth of a contact force is on zones of up to 3 nodes, or on single nodes: pressure and width are
+    /// meaningless.
+    CONTACT_UNRESOLVED("contact-unresolved", "Let 8 nodes be across.", "only forces matter");
+    /// A contact zone is 4 to 7 nodes across.
+    CONTACT_COARSE("contact-coarse", "Halve the elements there.", "only forces matter");
+    /// The largest pressure is far above its neighbours, not at a corner.
+    PEAK_SCATTER("peak-scatter", "Refine there; with tetrahedra use the mean.", "the peak does not matter");
+    /// The largest pressure is at a corner, or where the contact reaches the end of its boundary; it grows with
+    /// refinement.
+    SINGULAR_EDGE("singular-edge", "Model the rounding of the edge.", "you use forces, and pressures elsewhere");
+    /// Contact reaches the end of its boundary, and the elements beyond differ in length by more than three times.
+    UNEVEN_ELEMENTS("uneven-elements", "Let elements grow gradually.", "only forces matter");
+    /// Stick and slip in a contact of 8 to 39 nodes: the stick zone is known to one element. Not given for fewer than 8
+    /// nodes, for 40 or more, or if the whole boundary is in contact.
+    STICK_ZONE_COARSE("stick-zone-coarse", "Smaller elements.", "its width does not matter");
+    /// Slip zones beside stick zones are fewer than 7 nodes wide (mean by friction work): work may be a tenth off. Not
+    /// given if the whole contact is too narrow, or hardly any work is dissipated.
+    SLIP_ZONE_COARSE("slip-zone-coarse", "Smaller elements in the slip zone; see [friction](../method/estimates.md#friction).",
+        "slip and work do not matter");
+}
 
 /// Slip zones with fewer nodes across cause a warning, because their width is known to half a node or one node. Of 600
 /// random scenes, 69 had them although the contact itself was wide enough. The friction work was more than 10 % off in
@@ -26,25 +48,28 @@ const SMOOTH: f64 = 0.1;
 pub(super) fn warnings(Solved { model, checks, estimates, .. }: &Solved<'_>) -> Vec<Warning> {
     let units = model.units();
     let simplices = model.mesh.dimension == 3 && model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let smooth = estimates.contact.iter().filter(|contact| !checks.has_faceted_gaps(model, &contact.boundary));
+    // Where facets change the gaps, warnings of the pressures would name the wrong cause.
+    let faceted =
+        |of: &str| checks.faceted_gaps.are_of(model, of) || checks.faceted_obstacle.is_of(model, of, &checks.so_far);
+    let smooth = estimates.contact.iter().filter(|contact| !faceted(&contact.boundary));
     let contact = smooth.flat_map(|contact| {
         // For the reported peak, the estimate at its own time counts.
         let peak = estimates.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
         let zone = of_zone(contact, &units).or_else(|| of_zone(peak, &units));
-        zone.into_iter().chain(of_peak(peak, &units, simplices)).chain(of_ends(contact))
+        [zone, of_peak(peak, &units, simplices), of_edge(contact), of_stick(contact)].into_iter().flatten()
     });
     let mut warnings: Vec<Warning> = contact.collect();
     // For a narrow contact, the warning of its width is enough.
-    let narrow = [WarningKind::ContactUnresolved, WarningKind::ContactCoarse];
+    let narrow = [WarningKind::CONTACT_UNRESOLVED, WarningKind::CONTACT_COARSE];
     if !warnings.iter().any(|warning| narrow.contains(&warning.kind)) {
-        warnings.extend(estimates.slip_across.and_then(narrow_slip));
+        warnings.extend(estimates.slip_across.filter(|across| *across < FINE_FOR_SLIP).map(narrow_slip));
     }
     warnings
 }
 
-/// Names the surface and the time of an estimate.
-fn at(contact: &ContactEstimate) -> String {
-    format!("`{}` at t = {} s", contact.boundary, six_digits(contact.time))
+/// Names a surface and a time.
+fn at(boundary: &str, time: f64) -> String {
+    format!("`{boundary}` at t = {} s", six_digits(time))
 }
 
 fn percent(share: f64) -> String {
@@ -54,14 +79,11 @@ fn percent(share: f64) -> String {
 /// Warns of too narrow contact zones.
 fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Option<Warning> {
     let length = |x: f64| units.rounded(Quantity::Length, x, 3);
-    let at = at(contact);
-    if contact.unresolved_share > ISOLATED || contact.isolated_share > ISOLATED {
-        let reason = if contact.isolated_share > ISOLATED {
-            format!("{} of the force is on nodes without a closed neighbour", percent(contact.isolated_share))
-        } else {
-            format!("{} of the force is on zones of up to 3 nodes across", percent(contact.unresolved_share))
-        };
-        let size = length(contact.element_size);
+    let at = at(&contact.boundary, contact.time);
+    let isolated = ("nodes without a closed neighbour", contact.isolated_share);
+    let narrow = ("zones of up to 3 nodes across", contact.unresolved_share);
+    if let Some((place, share)) = [isolated, narrow].into_iter().find(|(_, share)| *share > ISOLATED) {
+        let (share, size) = (percent(share), length(contact.element_size));
         let finer = match contact.hertz {
             Some(HertzContact { half_width, peak_pressure }) => format!(
                 "; for this force Hertz' half-width is {} and his peak pressure {}; elements there are {size}, make \
@@ -72,80 +94,66 @@ fn of_zone(contact: &ContactEstimate, units: &UnitSystem) -> Option<Warning> {
             ),
             None => format!("; elements there are {size}, make them smaller until 8 nodes are across"),
         };
-        let message = format!("{at}: {reason}, so pressure and contact width are meaningless there{finer}");
-        return Some(Warning { kind: WarningKind::ContactUnresolved, message });
+        return Some(WarningKind::CONTACT_UNRESOLVED.warning(format!(
+            "{at}: {share} of the force is on {place}, so pressure and contact width are meaningless there{finer}"
+        )));
     }
     let n = contact.nodes_across.filter(|&n| n < FINE)?;
-    let (peak, width) = (peak_error(n), 2.0 * peak_error(n));
-    let message = format!(
-        "{at}: the contact zone is only {n} nodes wide: its peak pressure may be off by {}, its width by {}; halve \
-         the elements there for {}",
-        percent(peak),
-        percent(width),
-        percent(peak_error(2 * n - 1))
-    );
-    Some(Warning { kind: WarningKind::ContactCoarse, message })
+    let [peak, width, halved] = [peak_error(n), 2.0 * peak_error(n), peak_error(2 * n - 1)].map(percent);
+    Some(WarningKind::CONTACT_COARSE.warning(format!(
+        "{at}: the contact zone is only {n} nodes wide: its peak pressure may be off by {peak}, its width by {width}; \
+         halve the elements there for {halved}"
+    )))
 }
 
 /// Warns if the largest pressure differs much from those around it.
 fn of_peak(contact: &ContactEstimate, units: &UnitSystem, simplices: bool) -> Option<Warning> {
-    let stress = |x: f64| units.rounded(Quantity::Stress, x, 3);
-    let at = at(contact);
+    let at = at(&contact.boundary, contact.time);
     if contact.singular_edge {
-        let message = format!(
+        return Some(WarningKind::SINGULAR_EDGE.warning(format!(
             "{at}: the pressure is singular at the edge ({} of the force on its nodes): its peak depends on the \
              mesh; use only forces, and pressures away from the edge",
             percent(contact.edge_share)
-        );
-        return Some(Warning { kind: WarningKind::SingularEdge, message });
+        )));
     }
     let n = contact.nodes_across;
     if n.is_some_and(|n| n <= 4) || contact.scatter <= SMOOTH.max(n.map_or(0.0, peak_error)) {
         return None;
     }
     let trust = if simplices { "use the mean" } else { "refine the mesh there" };
-    let message = format!(
-        "{at}: pressures of neighbouring nodes differ: the peak of {} is {} above the mean over its neighbours, {}; \
-         {trust}",
-        stress(contact.peak_pressure),
-        percent(contact.scatter),
-        stress(contact.patch_pressure)
-    );
-    Some(Warning { kind: WarningKind::PeakScatter, message })
+    let [peak, mean] = [contact.peak_pressure, contact.patch_pressure].map(|x| units.rounded(Quantity::Stress, x, 3));
+    let scatter = percent(contact.scatter);
+    Some(WarningKind::PEAK_SCATTER.warning(format!(
+        "{at}: pressures of neighbouring nodes differ: the peak of {peak} is {scatter} above the mean over its \
+         neighbours, {mean}; {trust}"
+    )))
 }
 
-/// Warns of problems at the ends of the contact and of its stick zone.
-fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
-    let at = at(contact);
-    let mut warnings = Vec::new();
-    if let Some(ratio) = contact.edge_ratio.filter(|ratio| *ratio > UNEVEN) {
-        let message = format!(
-            "{at}: the contact reaches the end of its boundary, where the elements outside are {ratio:.0} times \
-             longer or shorter than those inside: pressures inside may be off by several percent; let elements \
-             grow gradually there"
-        );
-        warnings.push(Warning { kind: WarningKind::UnevenElements, message });
-    }
-    let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
-    if let (Some(stick), Some(n)) = (&contact.stick, n) {
-        let message = format!(
-            "`{}` at t = {} s: the stick zone, {:.2} of the contact width, lies on {n} nodes across the contact: it may be off \
-             by an element at each end",
-            stick.boundary,
-            six_digits(stick.time),
-            stick.ratio
-        );
-        warnings.push(Warning { kind: WarningKind::StickZoneCoarse, message });
-    }
-    warnings
+/// Warns of elements that differ at the end of the contact.
+fn of_edge(contact: &ContactEstimate) -> Option<Warning> {
+    let (at, ratio) = (at(&contact.boundary, contact.time), contact.edge_ratio.filter(|ratio| *ratio > UNEVEN)?);
+    Some(WarningKind::UNEVEN_ELEMENTS.warning(format!(
+        "{at}: the contact reaches the end of its boundary, where the elements outside are {ratio:.0} times longer or \
+         shorter than those inside: pressures inside may be off by several percent; let elements grow gradually there"
+    )))
 }
 
-/// Warns if slip zones are too narrow for the friction work.
-fn narrow_slip(across: f64) -> Option<Warning> {
-    let message = format!(
+/// Warns of a stick zone whose width is hardly known.
+fn of_stick(contact: &ContactEstimate) -> Option<Warning> {
+    let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n))?;
+    let StickZone { boundary, time, ratio, .. } = contact.stick.as_ref()?;
+    let at = at(boundary, *time);
+    Some(WarningKind::STICK_ZONE_COARSE.warning(format!(
+        "{at}: the stick zone, {ratio:.2} of the contact width, lies on {n} nodes across the contact: it may be off by \
+         an element at each end"
+    )))
+}
+
+/// Warns of slip zones that are too narrow for the friction work.
+fn narrow_slip(across: f64) -> Warning {
+    WarningKind::SLIP_ZONE_COARSE.warning(format!(
         "slip zones beside stick zones are only {across:.1} nodes wide (mean weighted by friction work): friction \
          work and slip may be off by about {:.0} %; make elements smaller where nodes slip, until 7 are across",
         100.0 / across
-    );
-    (across < FINE_FOR_SLIP).then_some(Warning { kind: WarningKind::SlipZoneCoarse, message })
+    ))
 }

@@ -3,6 +3,15 @@
 use super::prelude::*;
 use crate::algebra::vector::norm;
 
+kinds! {
+    /// Displacements are above a tenth of the body's size, but assumed to be small.
+    LARGE_DISPLACEMENTS("large-displacements", "Check the units.", "never");
+    /// The mean strain (root mean square weighted by the strain energy) is above 1 %, but assumed to be small: forces and
+    /// displacements are off by about as much.
+    LARGE_STRAINS("large-strains", "Check the modulus and its unit; a program for large strains.",
+        "the share in the message suffices");
+}
+
 /// The displacement, relative to the body's size, above which displacements are not small. A rotation of this size
 /// turns normals by six degrees, and the neglected squares of strains reach a percent.
 pub(super) const NOT_SMALL: f64 = 0.1;
@@ -12,13 +21,7 @@ const LARGE_STRAIN: f64 = 0.01;
 
 /// The largest displacement, with the position of its node, m.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct LargeDisplacements(Largest<[f64; 3]>);
-
-impl LargeDisplacements {
-    pub(super) fn largest(&self) -> Option<LargestDisplacement> {
-        self.0.0.map(|(length, time, position)| LargestDisplacement { length, position, time })
-    }
-}
+pub(super) struct LargeDisplacements(pub(super) Largest<[f64; 3]>);
 
 impl Check for LargeDisplacements {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
@@ -34,29 +37,24 @@ impl Check for LargeDisplacements {
     fn warning(&self, model: &Model, _: &SoFar) -> Option<Warning> {
         let (units, size) = (model.units(), model.mesh.size());
         let (length, time, position) = self.0.above(NOT_SMALL * size)?;
-        let message = format!(
-            "displacements are assumed to be small, but the node {} moves by {} at t = {time} s, {:.0} % of the body's \
-             size; are lengths in {}, moduli and tractions in {}?",
-            units.point(*position),
-            units.rounded(Quantity::Length, length, 3),
-            100.0 * length / size,
-            units.name(Quantity::Length),
-            units.name(Quantity::Stress)
-        );
-        Some(Warning { kind: WarningKind::LargeDisplacements, message })
+        let (place, moved, share) = (units.point(*position), units.rounded(Quantity::Length, length, 3), length / size);
+        let [lengths, stresses] = [Quantity::Length, Quantity::Stress].map(|quantity| units.name(quantity));
+        Some(WarningKind::LARGE_DISPLACEMENTS.warning(format!(
+            "displacements are assumed to be small, but the node {place} moves by {moved} at t = {time} s, {:.0} % of the \
+             body's size; are lengths in {lengths}, moduli and tractions in {stresses}?",
+            100.0 * share
+        )))
     }
 }
 
 /// Warns if strains are not small. The cause of large displacements is that of the strains.
 pub(super) fn strains(Solved { model, checks, estimates, .. }: &Solved<'_>) -> Option<Warning> {
-    let strain = estimates.strain.filter(|_| !checks.has_large_displacements(model))?;
-    let units = model.units();
-    let message = format!(
-        "strains are assumed to be small, but their mean is {:.1} %: forces and displacements may be off by about as much, \
+    let are_small = || checks.displacements.warning(model, &checks.so_far).is_none();
+    let strain = estimates.strain.filter(|strain| *strain > LARGE_STRAIN && are_small())?;
+    let (share, stresses) = (100.0 * strain, model.units().name(Quantity::Stress));
+    Some(WarningKind::LARGE_STRAINS.warning(format!(
+        "strains are assumed to be small, but their mean is {share:.1} %: forces and displacements may be off by about as much, \
          because linear elasticity neglects their squares and the change of shape; press less, use a program for large \
-         strains, or correct the modulus, which is in {}",
-        100.0 * strain,
-        units.name(Quantity::Stress)
-    );
-    (strain > LARGE_STRAIN).then_some(Warning { kind: WarningKind::LargeStrains, message })
+         strains, or correct the modulus, which is in {stresses}"
+    )))
 }

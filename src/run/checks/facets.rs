@@ -2,6 +2,16 @@
 
 use super::prelude::*;
 use crate::algebra::vector::median;
+use crate::body::model::Pair;
+
+kinds! {
+    /// Facets that turn by 44° to 84° count as edges; if they were of one surface, measured gaps would change by more than
+    /// 10 % (mean by force). The message has both overlaps: forces of a fit are off by their ratio. Or triangles of a
+    /// curved obstacle: the surface is beyond their middle by more than 3.8 % of the indentation, and pressures may be
+    /// more than 10 % off. Other warnings of that pressure are omitted.
+    FACETED_GAPS("faceted-gaps", "Twice as many elements along the curve, or the gap if it is known. A finer file of the \
+        obstacle, or its shape.", "the part has these edges");
+}
 
 /// The error of pressures, and of gaps of pairs, by facets above which it is reported.
 const FACETED: f64 = 0.1;
@@ -73,23 +83,23 @@ impl Check for FacetedGaps {
     fn fits(&self, model: &Model) -> bool {
         self.0.iter().all(|faceted| faceted.pair < model.contact.pairs.len())
     }
+}
 
-    fn warnings(&self, model: &Model, _: &SoFar) -> Vec<Warning> {
-        let warning = |&Faceted { pair, bulge, closed, .. }: &Faceted| {
-            let pair = &model.contact.pairs[pair];
-            let gaps = [-closed, -closed - bulge];
-            let [now, curved] = gaps.map(|gap| model.units().rounded(Quantity::Length, gap, 3));
-            let message = format!(
-                "facets of `{}` or `{}` turn by more than 44° where they meet, and count as edges: if they are of one \
-                 curved surface, measured gaps are {curved} in the mean, not {now}; forces of a fit are off by that \
-                 ratio, and pressures by more: use twice as many elements along the curve, or set contact[{}].gap if \
-                 it is known",
-                pair.slave, pair.master.name, pair.contact
-            );
-            Warning { kind: WarningKind::FacetedGaps, message }
-        };
-        self.large().map(warning).collect()
-    }
+/// Warns of the facets of pairs.
+pub(super) fn of_pairs(Solved { model, checks, .. }: &Solved<'_>) -> Vec<Warning> {
+    let warning = |&Faceted { pair, bulge, closed, .. }: &Faceted| {
+        let Pair { slave, master, contact, .. } = &model.contact.pairs[pair];
+        let gaps = [-closed, -closed - bulge];
+        let [now, curved] = gaps.map(|gap| model.units().rounded(Quantity::Length, gap, 3));
+        WarningKind::FACETED_GAPS.warning(format!(
+            "facets of `{slave}` or `{}` turn by more than 44° where they meet, and count as edges: if they are of one \
+             curved surface, measured gaps are {curved} in the mean, not {now}; forces of a fit are off by that ratio, \
+             and pressures by more: use twice as many elements along the curve, or set contact[{contact}].gap if it is \
+             known",
+            master.name
+        ))
+    };
+    checks.faceted_gaps.large().map(warning).collect()
 }
 
 /// The obstacle of triangles that is furthest from the curved surface that it stands for, of those pressed when contact
@@ -105,10 +115,8 @@ impl FacetedObstacle {
     }
 
     pub(super) fn is_of(&self, model: &Model, boundary: &str, so_far: &SoFar) -> bool {
-        let own = |k: usize| {
-            model.contact.boundaries.iter().any(|other| other.name == boundary && other.obstacles.contains(&k))
-        };
-        self.large(so_far).is_some_and(|(obstacle, _)| own(obstacle))
+        let mut own = model.contact.boundaries.iter().filter(|other| other.name == boundary);
+        self.large(so_far).is_some_and(|(obstacle, _)| own.any(|other| other.obstacles.contains(&obstacle)))
     }
 }
 
@@ -123,8 +131,7 @@ impl Check for FacetedObstacle {
                     let (own, facing) = model.assigned(i, step.record.time)?;
                     (own == k).then(|| motion.back(step.record.time, model.contact.nodes[i].position, facing.normal))
                 };
-                let sagitta = median(&mut obstacle.sagittas(pressed.filter_map(place)))?;
-                Some((k, sagitta))
+                Some((k, median(&mut obstacle.sagittas(pressed.filter_map(place)))?))
             };
             self.0 = (0..model.contact.obstacles.len()).filter_map(of_obstacle).max_by(|a, b| a.1.total_cmp(&b.1));
         }
@@ -137,16 +144,12 @@ impl Check for FacetedObstacle {
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (obstacle, sagitta) = self.large(so_far)?;
         let share = STIFFER_OBSTACLE * (sagitta / so_far.indentation);
-        let message = format!(
-            "the triangles of {} are chords of a curved surface, which is {} beyond their middle (median), {}: \
-             pressures may be off by about {:.0} %; write the file with edges at most {:.2} times as long, or use an \
-             obstacle of that shape",
-            model.obstacle_key(obstacle),
-            model.units().rounded(Quantity::Length, sagitta, 3),
-            so_far.beside(sagitta),
-            100.0 * share.min(1.0),
-            (FACETED / share).sqrt()
-        );
-        Some(Warning { kind: WarningKind::FacetedGaps, message })
+        let (off, shorter, beside) = (100.0 * share.min(1.0), (FACETED / share).sqrt(), so_far.beside(sagitta));
+        let (key, far) = (model.obstacle_key(obstacle), model.units().rounded(Quantity::Length, sagitta, 3));
+        Some(WarningKind::FACETED_GAPS.warning(format!(
+            "the triangles of {key} are chords of a curved surface, which is {far} beyond their middle (median), \
+             {beside}: pressures may be off by about {off:.0} %; write the file with edges at most {shorter:.2} times \
+             as long, or use an obstacle of that shape"
+        )))
     }
 }

@@ -4,6 +4,15 @@ use super::prelude::*;
 use crate::base::units::UnitSystem;
 use crate::solver::history::IncrementError;
 
+kinds! {
+    /// The time-step error of tangential forces is above 5 %; or loads or interference at t = 0 change friction by more
+    /// than 5 % of its limit; or nodes begin to stick in at most 3 increments of a load direction, too few for an estimate.
+    INCREMENTS_FORCE("increments-force", "More increments; a constant first stage.", "tangential forces do not matter");
+    /// More than 10 % of the friction work is due to increments.
+    INCREMENTS_WORK("increments-work", "More increments, or the corrected value; loads and interference that grow from 0.",
+        "the work does not matter");
+}
+
 /// The error of the friction work above which a warning is given, as a share.
 const WORK: f64 = 0.1;
 
@@ -29,19 +38,19 @@ pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     };
     let is_loaded = model.loading.is_present_at_start(model.problem.displacements());
     let work = found.filter(is_wrong).map(|found| work(found, is_loaded, &model.units()));
+    let work = work.map(|message| WarningKind::INCREMENTS_WORK.warning(message));
     let force = estimates.start.filter(|error| *error > FORCE).map(of_start).or_else(|| force(solved));
-    let force = force.map(|message| Warning { kind: WarningKind::IncrementsForce, message });
+    let force = force.map(|message| WarningKind::INCREMENTS_FORCE.warning(message));
     work.into_iter().chain(force).collect()
 }
 
-fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning {
-    let energy = |x: f64| units.rounded(Quantity::Energy, x, 4);
+fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> String {
+    let IncrementError { friction_work, friction_work_corrected, .. } = *found;
+    let [value, better] = [friction_work, friction_work_corrected].map(|x| units.rounded(Quantity::Energy, x, 4));
     if found.work_error.abs() > 1.0 {
-        let value = energy(found.friction_work);
-        let message = format!(
+        return format!(
             "the increments leave an error of more than 100 % of the friction work, {value}; take four times as many"
         );
-        return Warning { kind: WarningKind::IncrementsWork, message };
     }
     // The first increment applies what exists at t = 0 at once, however short it is.
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
@@ -51,14 +60,11 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> Warning 
         let share = (stays + 0.25 * (found.work_error - stays)).abs();
         format!("four times as many increments would leave about {:.0} %", 100.0 * share)
     };
-    let message = format!(
-        "the friction work, {}, has an error of about {:+.0} % of this value because of the increments: {} is the better \
-         value; {cure}",
-        energy(found.friction_work),
-        100.0 * found.work_error,
-        energy(found.friction_work_corrected)
-    );
-    Warning { kind: WarningKind::IncrementsWork, message }
+    format!(
+        "the friction work, {value}, has an error of about {:+.0} % of this value because of the increments: {better} is \
+         the better value; {cure}",
+        100.0 * found.work_error
+    )
 }
 
 /// Warns that the first increment applies the actions at t = 0 together with their changes.
@@ -84,11 +90,11 @@ fn force(Solved { estimates, outcome, .. }: &Solved<'_>) -> Option<String> {
     }
     found.force_error.filter(|error| *error > FORCE).map(|error| {
         let increments = outcome.tally.increments;
+        let more = (increments as f64 * error / GOOD).ceil();
         format!(
             "the tangential forces have a time-step error of roughly {:.0} % with {increments} increments; take \
-             {:.0} for {:.0} %",
+             {more:.0} for {:.0} %",
             100.0 * error,
-            (increments as f64 * error / GOOD).ceil(),
             100.0 * GOOD
         )
     })

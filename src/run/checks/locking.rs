@@ -4,6 +4,11 @@ use super::prelude::*;
 use crate::body::estimate::expected_locking;
 use crate::body::fem::Element;
 
+kinds! {
+    /// Elements that hardly change volume make the body more than 5 % too stiff; second order: Poisson's ratio above 0.499.
+    LOCKING("locking", "`mesh.element = \"b-bar\"` or `\"nodal-volume\"`.", "the share in the message suffices");
+}
+
 /// Poisson's ratio from which resistance to a change of volume makes elements too stiff, and not bending.
 const NEARLY_INCOMPRESSIBLE: f64 = 0.45;
 
@@ -23,10 +28,8 @@ const QUADRATIC_LOCKING: f64 = 0.499 + 1e-9;
 pub(super) fn warning(model: &Model, share: f64) -> Option<Warning> {
     let poisson = largest_poisson(model);
     let simplices = model.mesh.cells.iter().any(|cell| cell.kind.is_simplex());
-    let (tri, quad) = match model.mesh.dimension {
-        2 => ("triangles", "quadrilaterals"),
-        _ => ("tetrahedra", "hexahedra"),
-    };
+    let (tri, quad) =
+        if model.mesh.dimension == 2 { ("triangles", "quadrilaterals") } else { ("tetrahedra", "hexahedra") };
     let (why, nodal) = if poisson >= NEARLY_INCOMPRESSIBLE {
         (format!("its elements lock near nu = 0.5, and nu is {poisson:.6}"), "mesh.element = \"nodal-volume\", ")
     } else {
@@ -43,7 +46,7 @@ pub(super) fn warning(model: &Model, share: f64) -> Option<Warning> {
         "expect the body to be {about} {now:.0} % too stiff: {why}; {cells}, or halve the elements for about \
          {halved:.0} %"
     );
-    (share > LOCKING).then_some(Warning { kind: WarningKind::Locking, message })
+    (share > LOCKING).then_some(WarningKind::LOCKING.warning(message))
 }
 
 /// Predicts locking before the solution.
@@ -58,7 +61,7 @@ pub(super) fn expected(model: &Model) -> Option<Warning> {
     let message = format!(
         "nu is {poisson:.6}: elements of second order may be too stiff as well; use mesh.element = \"nodal-volume\""
     );
-    locks.then_some(Warning { kind: WarningKind::Locking, message })
+    locks.then_some(WarningKind::LOCKING.warning(message))
 }
 
 fn largest_poisson(model: &Model) -> f64 {

@@ -4,6 +4,16 @@ use super::locking;
 use super::prelude::*;
 use crate::body::fem::Element;
 
+kinds! {
+    /// The error of the mesh is above 15 % in the energy norm.
+    COARSE_MESH("coarse-mesh", "Refine where the field `discretisation_error` is large; second order.",
+        "the errors in the message suffice");
+    /// The mesh error of the largest tangential force is above 5 %, where that of the body is small.
+    TANGENTIAL_COARSE("tangential-coarse", "Refine; second order.", "tangential forces do not matter");
+    /// Poisson's ratio is 0.45 or more: stresses are more than 10 % off, and three times as much as the error of the mesh.
+    ROUGH_STRESSES("rough-stresses", "`b-bar`, `nodal-volume`, refine.", "only forces and displacements matter");
+}
+
 /// The error of the largest tangential force by the mesh above which a warning is given, if that of the body is small.
 const TANGENTIAL: f64 = 0.05;
 
@@ -18,56 +28,50 @@ const COARSE: f64 = 0.15;
 const ROUGH: f64 = 0.1;
 const FAR: f64 = 3.0;
 
+/// The cure of both kinds of coarse meshes.
+const FINER: &str = "refine it where the field `discretisation_error` is large, or use elements of second order";
+
 /// Returns the warnings of the mesh.
 pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     let estimates = solved.estimates;
     let locking = estimates.locking.and_then(|share| locking::warning(solved.model, share));
-    let coarse =
-        estimates.discretisation.and_then(coarse).or_else(|| estimates.tangential.and_then(coarse_for_friction));
+    let tangential = || estimates.tangential.filter(|error| *error > TANGENTIAL).map(coarse_for_friction);
+    let coarse = estimates.discretisation.filter(|error| *error > COARSE).map(coarse).or_else(tangential);
     locking.into_iter().chain(coarse).chain(inaccurate(solved)).collect()
 }
 
-/// Warns if the mesh is too coarse for the body itself.
-fn coarse(error: f64) -> Option<Warning> {
-    let message = format!(
-        "the mesh is coarse: its error is about {:.0} % in the energy norm, so displacements and forces may be off \
-         by about {:.0} % (if stresses at corners or ends of supports are singular, by {:.0} %), and pressures by \
-         more; refine it where the field `discretisation_error` is large, or use elements of second order",
-        100.0 * error,
-        100.0 * error * error,
-        100.0 * (error / OF_SINGULAR).powi(2)
-    );
-    (error > COARSE).then_some(Warning { kind: WarningKind::CoarseMesh, message })
+/// Warns of a mesh that is too coarse for the body itself.
+fn coarse(error: f64) -> Warning {
+    let [whole, off, singular] = [100.0 * error, 100.0 * error * error, 100.0 * (error / OF_SINGULAR).powi(2)];
+    WarningKind::COARSE_MESH.warning(format!(
+        "the mesh is coarse: its error is about {whole:.0} % in the energy norm, so displacements and forces may be off \
+         by about {off:.0} % (if stresses at corners or ends of supports are singular, by {singular:.0} %), and \
+         pressures by more; {FINER}"
+    ))
 }
 
-/// Warns if the mesh is too coarse for tangential forces much smaller than the normal ones.
-fn coarse_for_friction(error: f64) -> Option<Warning> {
-    let message = format!(
-        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; refine it where the \
-         field `discretisation_error` is large, or use elements of second order",
+/// Warns of a mesh that is too coarse for tangential forces much smaller than the normal ones.
+fn coarse_for_friction(error: f64) -> Warning {
+    WarningKind::TANGENTIAL_COARSE.warning(format!(
+        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; {FINER}",
         100.0 * error
-    );
-    (error > TANGENTIAL).then_some(Warning { kind: WarningKind::TangentialCoarse, message })
+    ))
 }
 
 /// Warns if stresses in the body are much less accurate than displacements.
 fn inaccurate(Solved { model, estimates, .. }: &Solved<'_>) -> Option<Warning> {
-    let (stresses, whole) = (estimates.stresses?, estimates.discretisation?);
+    let whole = estimates.discretisation?;
+    let stresses = estimates.stresses.filter(|error| *error > ROUGH && *error > FAR * whole)?;
+    let has_b_bar = model.mesh.cells.iter().all(|cell| !cell.kind.is_simplex() && !cell.kind.is_quadratic());
     let cure = match model.element() {
-        Element::Bilinear
-            if model.mesh.cells.iter().all(|cell| !cell.kind.is_simplex() && !cell.kind.is_quadratic()) =>
-        {
-            "use mesh.element = \"b-bar\""
-        }
+        Element::Bilinear if has_b_bar => "use mesh.element = \"b-bar\"",
         Element::Bilinear => "use mesh.element = \"nodal-volume\"",
         Element::BBar | Element::NodalVolume => "refine the mesh",
     };
-    let message = format!(
-        "stresses in the body (fields and probes) may be off by about {:.0} %, although the error of the mesh \
-         is {:.0} % in the energy norm: pressures in nearly incompressible elements vary from one to the \
-         next; {cure}, or use only forces and displacements",
-        100.0 * stresses,
-        100.0 * whole
-    );
-    (stresses > ROUGH && stresses > FAR * whole).then_some(Warning { kind: WarningKind::RoughStresses, message })
+    let [off, of_mesh] = [stresses, whole].map(|share| 100.0 * share);
+    Some(WarningKind::ROUGH_STRESSES.warning(format!(
+        "stresses in the body (fields and probes) may be off by about {off:.0} %, although the error of the mesh \
+         is {of_mesh:.0} % in the energy norm: pressures in nearly incompressible elements vary from one to the \
+         next; {cure}, or use only forces and displacements"
+    )))
 }

@@ -3,6 +3,14 @@
 use super::prelude::*;
 use crate::body::model::{BetweenNodes, Overlap, TOLERATED_SHARE};
 
+kinds! {
+    /// A node is inside an obstacle that it does not meet, by more than a tenth of the indentation.
+    OBSTACLE_NOT_MET("obstacle-not-met", "One `normal` for these obstacles, or one boundary each.", "never");
+    /// The obstacle has details finer than the elements: between nodes its distance is off, or it is inside the body, by
+    /// more than a tenth of the indentation.
+    OBSTACLE_BETWEEN_NODES("obstacle-between-nodes", "Smaller elements there.", "never");
+}
+
 /// The contact node deepest inside an obstacle that it does not meet.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct ObstacleNotMet(Largest<Overlap>);
@@ -15,7 +23,7 @@ impl Check for ObstacleNotMet {
 
     fn fits(&self, model: &Model) -> bool {
         let (contacts, obstacles) = (model.contact.nodes.len(), model.contact.obstacles.len());
-        self.0.is_none_or(|overlap| overlap.contact < contacts && overlap.obstacle < obstacles)
+        self.0.0.as_ref().is_none_or(|(.., overlap)| overlap.contact < contacts && overlap.obstacle < obstacles)
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
@@ -29,14 +37,11 @@ impl Check for ObstacleNotMet {
                  the beginning; give these obstacles one `normal`, with direction = \"normal\", or one boundary each"
                 .to_string(),
         };
-        let message = format!(
-            "the contact node at {} is {} inside {} at t = {time} s, {}, {cure}",
-            model.units().point(model.contact.nodes[contact].position),
-            model.units().rounded(Quantity::Length, depth, 3),
-            model.obstacle_key(obstacle),
-            so_far.beside(depth)
-        );
-        Some(Warning { kind: WarningKind::ObstacleNotMet, message })
+        let (place, beside) = (model.units().point(model.contact.nodes[contact].position), so_far.beside(depth));
+        let (depth, obstacle) = (model.units().rounded(Quantity::Length, depth, 3), model.obstacle_key(obstacle));
+        Some(WarningKind::OBSTACLE_NOT_MET.warning(format!(
+            "the contact node at {place} is {depth} inside {obstacle} at t = {time} s, {beside}, {cure}"
+        )))
     }
 }
 
@@ -53,19 +58,15 @@ impl Check for ObstacleBetweenNodes {
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
-        let (BetweenNodes { boundary, position, missed, size }, time) = self.0.as_ref()?;
-        let length = |x: f64| model.units().rounded(Quantity::Length, x, 3);
-        let message = format!(
-            "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at {}, \
-             its distance at t = {} s differs by {} from the distances at the nodes, {}, and pressures may be equally \
-             wrong; make the elements there, now {} long, smaller than these details",
-            model.units().point(*position),
-            six_digits(*time),
-            length(*missed),
-            so_far.beside(*missed),
-            length(*size)
-        );
-        let warning = Warning { kind: WarningKind::ObstacleBetweenNodes, message };
-        (*missed > TOLERATED_SHARE * so_far.indentation).then_some(warning)
+        let tolerated = TOLERATED_SHARE * so_far.indentation;
+        let (found, time) = self.0.as_ref().filter(|(found, _)| found.missed > tolerated)?;
+        let BetweenNodes { boundary, position, missed, size } = found;
+        let (place, time, beside) = (model.units().point(*position), six_digits(*time), so_far.beside(*missed));
+        let [off, size] = [*missed, *size].map(|x| model.units().rounded(Quantity::Length, x, 3));
+        Some(WarningKind::OBSTACLE_BETWEEN_NODES.warning(format!(
+            "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at \
+             {place}, its distance at t = {time} s differs by {off} from the distances at the nodes, {beside}, and \
+             pressures may be equally wrong; make the elements there, now {size} long, smaller than these details"
+        )))
     }
 }

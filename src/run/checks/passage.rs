@@ -4,6 +4,13 @@ use super::prelude::*;
 use crate::body::model::PassedNode;
 use crate::solver::problem::State;
 
+kinds! {
+    /// An obstacle moves along a curve within an increment: in between it presses a node more deeply than at both ends, or
+    /// leaves a node that it touches at both ends. The difference exceeds the indentation. `events`: straight pieces of
+    /// curved gaps are off by more than a millionth of the largest displacement.
+    CURVED_GAPS("curved-gaps", "More increments, until the obstacle moves by less than the contact width.", "never");
+}
+
 /// The depth of an obstacle's passage within an increment above which it is reported, relative to the indentation. For
 /// an obstacle that rolls on, the friction is then off by a few percent at most.
 const PASSES: f64 = 1.0;
@@ -31,20 +38,18 @@ impl Check for Passage {
 
     fn fits(&self, model: &Model) -> bool {
         let last = self.last.as_ref().is_none_or(|(_, state)| state.check(&model.problem).is_ok());
-        last && self.deepest.is_none_or(|found| found.contact < model.contact.nodes.len())
+        last && self.deepest.0.as_ref().is_none_or(|(.., found)| found.contact < model.contact.nodes.len())
     }
 
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let (depth, time, found) = self.deepest.above(PASSES * so_far.indentation)?;
-        let message = format!(
-            "within the increment that ends at t = {time} s an obstacle {} the contact node at {}, by {}, {}: friction \
-             between the ends of increments is neglected; take more increments",
-            if found.distance < 0.0 { "goes through" } else { "leaves" },
-            model.units().point(model.contact.nodes[found.contact].position),
-            model.units().rounded(Quantity::Length, depth, 3),
-            so_far.beside(depth)
-        );
-        Some(Warning { kind: WarningKind::CurvedGaps, message })
+        let passes = if found.distance < 0.0 { "goes through" } else { "leaves" };
+        let place = model.units().point(model.contact.nodes[found.contact].position);
+        let (depth, beside) = (model.units().rounded(Quantity::Length, depth, 3), so_far.beside(depth));
+        Some(WarningKind::CURVED_GAPS.warning(format!(
+            "within the increment that ends at t = {time} s an obstacle {passes} the contact node at {place}, by {depth}, \
+             {beside}: friction between the ends of increments is neglected; take more increments"
+        )))
     }
 }
 
@@ -55,13 +60,10 @@ pub(super) fn along_chords(Solved { model, outcome, solver, .. }: &Solved<'_>) -
     if !solver.method.is_exact_path() || off <= OFF * moved {
         return None;
     }
-    let units = model.units();
-    let message = format!(
+    let (error, share) = (model.units().rounded(Quantity::Length, off, 2), off / moved);
+    Some(WarningKind::CURVED_GAPS.warning(format!(
         "gaps in front of a moving obstacle are curved in time, and the exact path follows them along chords, with \
-         errors up to {} ({:.1e} of the largest displacement); four times as many increments as chords \
-         reduce them to a sixteenth",
-        units.rounded(Quantity::Length, off, 2),
-        off / moved
-    );
-    Some(Warning { kind: WarningKind::CurvedGaps, message })
+         errors up to {error} ({share:.1e} of the largest displacement); four times as many increments as chords \
+         reduce them to a sixteenth"
+    )))
 }

@@ -3,6 +3,12 @@
 use super::prelude::*;
 use crate::body::model::RangeLeft;
 
+kinds! {
+    /// The contact left the range of linearised gaps.
+    GAPS_OUT_OF_RANGE("gaps-out-of-range", "Place the obstacle nearer to where it presses; move it less; see \
+        [gaps](scene/obstacle.md#gaps-and-normals).", "never");
+}
+
 /// The largest error of the linearised gaps, if they were out of their range.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct GapsOutOfRange(pub(super) Option<RangeLeft>);
@@ -33,6 +39,6 @@ impl Check for GapsOutOfRange {
                  at the node {place} at t = {time} s the distance is {shown}, not {linearised}{off}; {remedy}"
             )
         };
-        Some(Warning { kind: WarningKind::GapsOutOfRange, message })
+        Some(WarningKind::GAPS_OUT_OF_RANGE.warning(message))
     }
 }

@@ -4,31 +4,32 @@ use super::displacements::NOT_SMALL;
 use super::prelude::*;
 use crate::solver::laws::ContactStatus;
 
-/// The first boundary that never touched what is in front of it.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct NoContact;
+kinds! {
+    /// A boundary never touched what is in front of it.
+    NO_CONTACT("no-contact", "See positions and motions in `check`.", "it is a stop that need not be reached");
+    /// A touched obstacle, or with `direction` a boundary, is inclined to the contact normal by a slope above a tenth.
+    LEANING_OBSTACLE("leaning-obstacle", "`direction = \"nearest\"` or another `normal`; between bodies no `direction`.",
+        "never");
+}
 
-impl Check for NoContact {
-    fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
-        // Without a converged increment, nothing is known of the contact.
-        let mut boundaries = model.contact.boundaries.iter().filter(|_| so_far.increments > 0);
-        let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| so_far.touched[i]))?;
-        let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
-            None => format!(
-                "`{}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves",
-                boundary.name
-            ),
-            Some(master) => {
-                format!("`{}` never touched `{master}`; `stickslip check` shows how far apart they are", boundary.name)
-            }
-        };
-        Some(Warning { kind: WarningKind::NoContact, message })
-    }
+/// Warns of the first boundary that never touched what is in front of it.
+pub(super) fn no_contact(Solved { model, checks, .. }: &Solved<'_>) -> Option<Warning> {
+    // Without a converged increment, nothing is known of the contact.
+    let mut boundaries = model.contact.boundaries.iter().filter(|_| checks.so_far.increments > 0);
+    let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| checks.so_far.touched[i]))?;
+    let name = &boundary.name;
+    let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
+        None => format!(
+            "`{name}` never touched its obstacle; `stickslip check` shows where the obstacle is and how it moves"
+        ),
+        Some(master) => format!("`{name}` never touched `{master}`; `stickslip check` shows how far apart they are"),
+    };
+    Some(WarningKind::NO_CONTACT.warning(message))
 }
 
 /// The contact node that touched the obstacle with the largest slope against the node's normal, and the slope.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct LeaningObstacle(Option<(usize, f64)>);
+pub(super) struct LeaningObstacle(pub(super) Option<(usize, f64)>);
 
 impl Check for LeaningObstacle {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
@@ -59,6 +60,6 @@ impl Check for LeaningObstacle {
                  presses; use direction = \"nearest\", or another normal"
             )
         };
-        Some(Warning { kind: WarningKind::LeaningObstacle, message })
+        Some(WarningKind::LEANING_OBSTACLE.warning(message))
     }
 }

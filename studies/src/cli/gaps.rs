@@ -31,7 +31,7 @@ pub(super) fn gaps(args: &GapsArgs) -> miette::Result<Answer> {
         let cases: Vec<Case> = of_order(false).chain(of_order(true)).collect();
         let all = jobs::run(&cases, jobs::count(args.jobs), |case| format!("{case:?}"), Case::run);
         for (case, told) in cases.iter().zip(all.map_err(|error| miette!("{error}"))?) {
-            let kinds: Vec<String> = told.kinds.iter().map(|kind| format!("{kind:?}")).collect();
+            let kinds: Vec<&str> = told.kinds.iter().map(|kind| kind.name).collect();
             table.push(vec![
                 name(shape),
                 if case.second_order { "2" } else { "1" }.into(),

@@ -4,7 +4,7 @@ use clap::Args;
 use miette::IntoDiagnostic;
 use stickslip::run::report::csv_table;
 use stickslip_output::Table;
-use stickslip_studies::warnings::{Case, Judged, RIGHT, WRONG, by_kind, name};
+use stickslip_studies::warnings::{Case, Judged, RIGHT, WRONG, by_kind};
 
 use super::{Answer, jobs};
 
@@ -46,7 +46,7 @@ pub(super) fn warnings(args: &WarningsArgs) -> miette::Result<Answer> {
 
 fn row(judged: &Judged) -> Vec<String> {
     let Judged { case, status, errors, kinds } = judged;
-    let kinds: Vec<String> = kinds.iter().map(|kind| name(*kind)).collect();
+    let kinds: Vec<&str> = kinds.iter().map(|kind| kind.name).collect();
     let errors = errors.map(|error| error.map_or(String::new(), |error| format!("{:.1} %", 100.0 * error)));
     let silent: Vec<&str> =
         QUANTITIES.into_iter().zip(judged.silent()).filter_map(|(name, silent)| silent.then_some(name)).collect();
@@ -57,7 +57,7 @@ fn row(judged: &Judged) -> Vec<String> {
 fn kinds(judged: &[Judged]) -> Table {
     let mut table = Table::new(&["warning", "scenes", "what it speaks of is wrong", "is right"]);
     for (kind, counts) in by_kind(judged) {
-        table.push(std::iter::once(kind).chain(counts.map(|count| count.to_string())).collect());
+        table.push(std::iter::once(kind.to_string()).chain(counts.map(|count| count.to_string())).collect());
     }
     table
 }

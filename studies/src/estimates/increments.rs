@@ -203,9 +203,9 @@ impl Truth {
             warned,
         };
         let work = (found.friction_work - self.friction_work) / found.friction_work;
-        let mut rows = vec![row(Subject::Work, work, found.work_error, warned(WarningKind::IncrementsWork))];
+        let mut rows = vec![row(Subject::Work, work, found.work_error, warned(WarningKind::INCREMENTS_WORK))];
         let everywhere = self.error(friction, self.a_stretch / a_stretch);
-        let warned = warned(WarningKind::IncrementsForce);
+        let warned = warned(WarningKind::INCREMENTS_FORCE);
         rows.extend(found.force_error.map(|estimate| row(Subject::Friction, everywhere, estimate, warned)));
         Ok(rows)
     }

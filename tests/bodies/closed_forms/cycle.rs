@@ -115,6 +115,6 @@ fn a_cycle_is_taken_up() {
 fn a_history_without_a_cycle_is_warned_of() {
     let report = solve("block.toml", &["mesh.elements=[4,4]", "output.cycle=\"last\""]);
     assert!(report.cycle.is_none());
-    let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::NotComputed).unwrap();
+    let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::NOT_COMPUTED).unwrap();
     assert!(warning.message.contains("output.cycle"), "{}", warning.message);
 }

@@ -21,7 +21,7 @@ fn contact(report: &RunReport) -> &ContactEstimate {
 
 fn kinds_of(report: &RunReport) -> Vec<WarningKind> {
     let kinds = report.warnings.iter().map(|warning| warning.kind);
-    kinds.filter(|kind| *kind != WarningKind::SlowBlas).collect()
+    kinds.filter(|kind| *kind != WarningKind::SLOW_BLAS).collect()
 }
 
 /// A cylinder on a block, right of the symmetry plane x = 0 or on both sides of it, with elements of the size `REACH / n`.
@@ -64,8 +64,8 @@ fn the_peak_is_within_its_estimate() {
             );
             assert!(across < 2 || error.abs() <= peak_error(across), "{across}: {error}");
             let expected = match across {
-                0..4 => vec![WarningKind::ContactUnresolved],
-                4..8 => vec![WarningKind::ContactCoarse],
+                0..4 => vec![WarningKind::CONTACT_UNRESOLVED],
+                4..8 => vec![WarningKind::CONTACT_COARSE],
                 _ => vec![],
             };
             assert_eq!(kinds_of(&report), expected, "{across}: {:?}", report.warnings);
@@ -112,8 +112,8 @@ fn nodes_without_neighbours_are_told() {
         assert_eq!((contact.nodes_across, contact.unresolved_share), (Some(1), 1.0));
         assert!((contact.isolated_share - isolated).abs() < 1e-12);
         // Elements that are pressed along a line of nodes are too stiff, too; single nodes are left out of that.
-        let locking = (isolated < 0.5).then_some(WarningKind::Locking);
-        let expected = [Some(WarningKind::ContactUnresolved), locking, Some(WarningKind::CoarseMesh)];
+        let locking = (isolated < 0.5).then_some(WarningKind::LOCKING);
+        let expected = [Some(WarningKind::CONTACT_UNRESOLVED), locking, Some(WarningKind::COARSE_MESH)];
         assert_eq!(kinds_of(&report), expected.into_iter().flatten().collect::<Vec<_>>());
         let length = 0.1 * axis.iter().map(|c: &f64| c * c).sum::<f64>().sqrt();
         let hertz = Hertz::line(contact.force / length, 0.02, MODULUS);
@@ -142,7 +142,7 @@ fn punches_have_singular_edges() {
         let contact = contact(&report);
         println!("{outer} outside: {contact:?}");
         assert_eq!(contact.nodes_across, None);
-        let expected = [Some(WarningKind::SingularEdge), uneven.then_some(WarningKind::UnevenElements)];
+        let expected = [Some(WarningKind::SINGULAR_EDGE), uneven.then_some(WarningKind::UNEVEN_ELEMENTS)];
         assert_eq!(kinds_of(&report), expected.into_iter().flatten().collect::<Vec<_>>());
     }
 }
@@ -152,10 +152,10 @@ fn punches_have_singular_edges() {
 #[test]
 fn edges_of_obstacles_are_told_from_roundings() {
     let cases = [
-        ("max(0, x - 5) * 0.3", WarningKind::SingularEdge),
-        ("max(0, x - 5) * 3", WarningKind::SingularEdge),
-        ("max(0, x - 5)^2 / (2 * 50)", WarningKind::PeakScatter),
-        ("max(0, x - 5)^2 / (2 * 0.2)", WarningKind::PeakScatter),
+        ("max(0, x - 5) * 0.3", WarningKind::SINGULAR_EDGE),
+        ("max(0, x - 5) * 3", WarningKind::SINGULAR_EDGE),
+        ("max(0, x - 5)^2 / (2 * 50)", WarningKind::PEAK_SCATTER),
+        ("max(0, x - 5)^2 / (2 * 0.2)", WarningKind::PEAK_SCATTER),
     ];
     for (formula, expected) in cases {
         let formula = format!("contact.obstacle.formula=\"{formula}\"").parse().unwrap();
@@ -163,7 +163,7 @@ fn edges_of_obstacles_are_told_from_roundings() {
         let text = include_str!("../../../data/tutorials/punch.toml");
         let scene = Scene::parse("punch.toml", text, &[formula, increments]).unwrap();
         let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
-        let of_peak = [WarningKind::SingularEdge, WarningKind::PeakScatter];
+        let of_peak = [WarningKind::SINGULAR_EDGE, WarningKind::PEAK_SCATTER];
         let found: Vec<WarningKind> = kinds_of(&report).into_iter().filter(|kind| of_peak.contains(kind)).collect();
         assert_eq!(found, [expected], "{scene:?} {:?}", report.estimates.peak);
     }
@@ -212,7 +212,7 @@ fn locking_is_seen() {
                     assert!((error / 3.0..3.0 * error).contains(&estimate) || error > 1.0, "{error} {estimate}");
                 }
                 assert!(error > 0.01 || estimate < 0.03, "{error} {estimate}");
-                assert_eq!(kinds_of(&report).contains(&WarningKind::Locking), estimate > 0.05);
+                assert_eq!(kinds_of(&report).contains(&WarningKind::LOCKING), estimate > 0.05);
             }
         }
     }
@@ -288,7 +288,7 @@ fn the_work_of_zones_that_slip_and_are_narrow_is_warned_of() {
     let (coarse, fine) = (narrow(9), narrow(18));
     println!("work: {:.3e} {:.3e}, nodes across {:?}", work(&coarse), work(&fine), coarse.estimates.slip_across);
     assert!((work(&coarse) / work(&fine) - 1.0).abs() > 0.1);
-    assert!(kinds_of(&coarse).contains(&WarningKind::SlipZoneCoarse), "{:?}", coarse.warnings);
+    assert!(kinds_of(&coarse).contains(&WarningKind::SLIP_ZONE_COARSE), "{:?}", coarse.warnings);
 }
 
 /// The diagonals of triangles make normal forces pull sideways: by a share of these, and by a large one of a small tangential force. A large one is
@@ -304,7 +304,7 @@ fn tangential_forces_that_are_small_beside_the_error_of_the_mesh_are_warned_of()
     for (motion, warned) in [(3e-5, true), (1.5e-3, false)] {
         let report = blocks(motion);
         println!("{motion:e}: {:?} {:?}", report.estimates.tangential, report.estimates.discretisation);
-        assert_eq!(kinds_of(&report).contains(&WarningKind::TangentialCoarse), warned, "{:?}", report.warnings);
-        assert!(!kinds_of(&report).contains(&WarningKind::CoarseMesh));
+        assert_eq!(kinds_of(&report).contains(&WarningKind::TANGENTIAL_COARSE), warned, "{:?}", report.warnings);
+        assert!(!kinds_of(&report).contains(&WarningKind::COARSE_MESH));
     }
 }

@@ -20,7 +20,7 @@ fn left(report: &RunReport) -> IncrementError {
 }
 
 fn warned(report: &RunReport) -> [bool; 2] {
-    [WarningKind::IncrementsWork, WarningKind::IncrementsForce]
+    [WarningKind::INCREMENTS_WORK, WarningKind::INCREMENTS_FORCE]
         .map(|kind| report.warnings.iter().any(|warning| warning.kind == kind))
 }
 
@@ -98,7 +98,7 @@ fn loads_that_are_there_at_the_start_and_change_at_once_are_warned_of() {
     let warning = |history: &str, increments: usize| {
         let history = format!("load[0].history={history}");
         let report = solved(BLOCK, increments, &[&block[..], &[&history]].concat());
-        let message = report.warnings.into_iter().find(|warning| warning.kind == WarningKind::IncrementsForce);
+        let message = report.warnings.into_iter().find(|warning| warning.kind == WarningKind::INCREMENTS_FORCE);
         message.filter(|warning| warning.message.contains("t = 0")).map(|warning| warning.message)
     };
     let message = warning("[[0,1],[2,0.25]]", 1).unwrap();
@@ -149,7 +149,7 @@ fn the_work_of_interference_at_the_start_is_warned_of_with_its_cure() {
     for n in [4, 64] {
         let report = solved(BLOCK, n, &set);
         let message =
-            &report.warnings.iter().find(|warning| warning.kind == WarningKind::IncrementsWork).unwrap().message;
+            &report.warnings.iter().find(|warning| warning.kind == WarningKind::INCREMENTS_WORK).unwrap().message;
         assert!(message.contains("grow from 0") && !message.contains("four times"), "{message}");
         let found = left(&report);
         assert!((0.4..0.6).contains(&found.first_work_error), "{n}: {found:?}");
@@ -197,7 +197,7 @@ fn a_cylinder_is_warned_of_with_few_increments() {
     assert!(warned(&four)[0]);
     // The exact path has 11 % less work than 64 increments.
     assert_eq!(warned(&many), [true, false]);
-    let message = &one.warnings.iter().find(|warning| warning.kind == WarningKind::IncrementsForce).unwrap().message;
+    let message = &one.warnings.iter().find(|warning| warning.kind == WarningKind::INCREMENTS_FORCE).unwrap().message;
     assert!(message.contains("a single increment") && message.ends_with("; take 8 or more"), "{message}");
     // The stick zone on the screen: of nodes in contact.
     let share = |report: &RunReport| {

@@ -355,7 +355,7 @@ fn rounding_is_no_strain() {
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, vec![1.0], SolverChoice::default()).unwrap().solve(&mut ()).unwrap();
         assert_eq!((report.estimates.locking, report.estimates.discretisation), (None, None), "{plane:?}");
-        let of_the_body = |warning: &Warning| warning.kind != WarningKind::SlowBlas;
+        let of_the_body = |warning: &Warning| warning.kind != WarningKind::SLOW_BLAS;
         assert!(!report.warnings.iter().any(of_the_body), "{:?}", report.warnings);
     }
 }

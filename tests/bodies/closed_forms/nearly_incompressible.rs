@@ -67,7 +67,7 @@ fn tube(cells: CellKind, element: Element, nu: f64) -> ([f64; 2], Option<f64>, O
     let hoop = |r: f64| -p * share * (1.0 + a * a / (r * r));
     let off = line.hoop.iter().map(|[r, found]| ((found - hoop(*r)) / hoop(a)).abs()).fold(0.0, f64::max);
     let scatter = line.pressures.iter().map(|found| (found / p - 1.0).abs()).fold(0.0, f64::max);
-    let warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::RoughStresses);
+    let warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::ROUGH_STRESSES);
     ([off, scatter], report.estimates.stresses, report.estimates.locking, warned)
 }
 

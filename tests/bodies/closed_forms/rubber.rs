@@ -35,7 +35,7 @@ fn tread(which: [&str; 2], bricks: [usize; 3], poisson: f64) -> f64 {
          [[contact]]\nboundary = \"bottom\"\nfriction = 0.9\n\
          obstacle = {{ kind = \"plane\", approach = [[0, 0], [1, 7.5e-4]] }}\n[time]\nend = 1\nincrements = 1\n"
     ));
-    assert!(which == LINEAR || report.warnings.iter().all(|warning| warning.kind != WarningKind::Locking));
+    assert!(which == LINEAR || report.warnings.iter().all(|warning| warning.kind != WarningKind::LOCKING));
     report.forces[0].resultant.sums.sum_p_n
 }
 

@@ -43,7 +43,7 @@ fn a_roller_takes_the_place_of_another() {
     let (_, one, _) = recorded(&plate().contact("bottom", 0.0, roller(0.5)));
     let force = |state: &State| state.p_n.iter().sum::<f64>();
     assert!(force(&both[7]) > 1e5 && (force(&both[7]) / force(&one[7]) - 1.0).abs() < 1e-9);
-    assert!(!is_warned(&report, WarningKind::ObstacleNotMet), "{:?}", report.warnings);
+    assert!(!is_warned(&report, WarningKind::OBSTACLE_NOT_MET), "{:?}", report.warnings);
     // The force is on the roller that presses, wherever its nodes began.
     let [bottom] = &report.boundaries[..] else { panic!() };
     let on = |k: usize| bottom.obstacles[k].force[1];
@@ -101,7 +101,7 @@ fn an_obstacle_of_another_normal_that_comes_is_told() {
         let level = at([0.0, -1e-4], [0.0, -1.0]).approaching(&[[0.0, 0.0], [1.0, 2e-4]]);
         let leaning = at([1.9, -1e-5], [1e-3, -1.0]).approaching(&[[0.0, 0.0], [1.0, 0.0], [2.0, approach]]);
         let (_, _, report) = recorded(&plate().contact("bottom", 0.0, vec![level, leaning]));
-        assert_eq!(is_warned(&report, WarningKind::ObstacleNotMet), warned, "{:?}", report.warnings);
+        assert_eq!(is_warned(&report, WarningKind::OBSTACLE_NOT_MET), warned, "{:?}", report.warnings);
     }
 }
 
@@ -128,10 +128,10 @@ fn details_between_nodes_are_told() {
         ("2e-4 * x", false),
     ] {
         let report = on_formula(formula, 2e-4, 8);
-        assert_eq!(is_warned(&report, WarningKind::ObstacleBetweenNodes), warned, "{formula}: {:?}", report.warnings);
+        assert_eq!(is_warned(&report, WarningKind::OBSTACLE_BETWEEN_NODES), warned, "{formula}: {:?}", report.warnings);
     }
     let resolved = on_formula("1e-4 * (1 - cos(2 * PI * x * 8))", 2e-4, 128);
-    assert!(!is_warned(&resolved, WarningKind::ObstacleBetweenNodes), "{:?}", resolved.warnings);
+    assert!(!is_warned(&resolved, WarningKind::OBSTACLE_BETWEEN_NODES), "{:?}", resolved.warnings);
 }
 
 /// The facets of a ring cut off the arc between its nodes; that is none of the shaft in it.
@@ -146,7 +146,7 @@ fn facets_of_a_curved_boundary_are_no_details() {
         let body = Description::new(MeshSource::Given(Arc::new(ring(1.0, 1.5, n))), Material::new(1e9, 0.3), vec![1.0]);
         let body = body.support("x axis", &[Axis::Y]).support("y axis", &[Axis::X]);
         let report = solved(&body.contact("inner", 0.0, shaft));
-        assert!(!is_warned(&report, WarningKind::ObstacleBetweenNodes), "{n}: {:?}", report.warnings);
+        assert!(!is_warned(&report, WarningKind::OBSTACLE_BETWEEN_NODES), "{n}: {:?}", report.warnings);
     }
 }
 
@@ -173,7 +173,7 @@ fn holes_under_the_body_are_told() {
         let body = Description::new(MeshSource::block([1.0, 1.0, 0.5], [4, 4, 2]), Material::new(1e9, 0.3), vec![1.0]);
         let body = body.support("top", &[Axis::X, Axis::Y, Axis::Z]).contact("bottom", 0.0, obstacle);
         let warnings = Warning::of_model(&Model::build(&body).unwrap());
-        let warning = warnings.into_iter().find(|warning| warning.kind == WarningKind::SurfaceHole);
+        let warning = warnings.into_iter().find(|warning| warning.kind == WarningKind::SURFACE_HOLE);
         warning.map(|warning| warning.message)
     };
     let whole = sheet(8);
@@ -212,7 +212,7 @@ fn edges_are_singular_at_corners_alone() {
     };
     let long = on_plane(block(&[8.0, 0.25], &[192, 4]), 1.0);
     assert!(long.estimates.contact[0].edge_share < 0.01, "{:?}", long.estimates.contact);
-    assert!(is_warned(&long, WarningKind::SingularEdge), "{:?}", long.warnings);
+    assert!(is_warned(&long, WarningKind::SINGULAR_EDGE), "{:?}", long.warnings);
 
     let rounded = |radius: f64| {
         let mut mesh: Mesh = block(&[1.0, 0.25], &[40, 6]);
@@ -223,10 +223,10 @@ fn edges_are_singular_at_corners_alone() {
         mesh
     };
     let report = on_plane(rounded(0.2), 0.0);
-    assert!(!is_warned(&report, WarningKind::SingularEdge), "{:?}", report.warnings);
+    assert!(!is_warned(&report, WarningKind::SINGULAR_EDGE), "{:?}", report.warnings);
     let sharp = on_plane(block(&[1.0, 0.25], &[40, 6]), 1.0);
-    assert!(is_warned(&sharp, WarningKind::SingularEdge), "{:?}", sharp.warnings);
-    assert!(!is_warned(&sharp, WarningKind::PeakScatter), "{:?}", sharp.warnings);
+    assert!(is_warned(&sharp, WarningKind::SINGULAR_EDGE), "{:?}", sharp.warnings);
+    assert!(!is_warned(&sharp, WarningKind::PEAK_SCATTER), "{:?}", sharp.warnings);
 }
 
 /// The error of the peak is that of the increment and the zone with the largest pressure, though a wider contact bears more later.
@@ -290,7 +290,7 @@ fn triangles_that_are_chords() {
     for (n, wrong) in [(1600, 0.0), (96, 0.0), (48, 0.1), (32, 0.25), (24, 0.42)] {
         let (peak, report) = pressed(&strips(&arc(n)));
         assert!((peak / exact - 1.0 - wrong).abs() < 0.02, "{n}: {peak} {exact}");
-        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::FacetedGaps);
+        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::FACETED_GAPS);
         let message = warning.map(|warning| warning.message.as_str()).unwrap_or_default();
         assert_eq!(message.contains("contact[0].obstacle are chords"), wrong > 0.0, "{n}: {message}");
     }
@@ -306,7 +306,7 @@ fn triangles_that_are_chords() {
             [[a, b, c], [a, c, d]]
         });
         let (_, report) = pressed(&halves.collect::<Vec<_>>());
-        assert_eq!(is_warned(&report, WarningKind::FacetedGaps), wrong, "{h}: {:?}", report.warnings);
+        assert_eq!(is_warned(&report, WarningKind::FACETED_GAPS), wrong, "{h}: {:?}", report.warnings);
     }
     let quarter = (0..=6).map(|k| f64::from(6 - k) * 15.0_f64.to_radians());
     let left: Vec<[f64; 2]> = quarter.map(|a| [-0.2 - 0.1 * a.sin(), 0.1 * a.cos() - 0.1]).collect();
@@ -314,6 +314,6 @@ fn triangles_that_are_chords() {
     let chamfered = vec![[-0.4, -0.4], [-0.4, -0.05], [-0.2, 0.0], [0.2, 0.0], [0.4, -0.05], [0.4, -0.4]];
     for line in [rounded, chamfered, vec![[-0.6, 0.0], [0.6, 0.0]], vec![[-0.6, -0.1], [0.0, 0.0], [0.6, -0.1]]] {
         let (_, report) = pressed(&strips(&line));
-        assert!(!is_warned(&report, WarningKind::FacetedGaps), "{line:?}: {:?}", report.warnings);
+        assert!(!is_warned(&report, WarningKind::FACETED_GAPS), "{line:?}: {:?}", report.warnings);
     }
 }

@@ -89,7 +89,7 @@ fn a_corner_before_a_wall() {
     let pushed = wall(floor(false), "right", 0.0).replace("[8e6, 0]", "[-8e6, 0]");
     let warned = |report: &RunReport| {
         let kinds: Vec<WarningKind> = report.warnings.iter().map(|warning| warning.kind).collect();
-        [WarningKind::FrictionLeftOut, WarningKind::NotUnique].map(|kind| kinds.contains(&kind))
+        [WarningKind::FRICTION_LEFT_OUT, WarningKind::NOT_UNIQUE].map(|kind| kinds.contains(&kind))
     };
     for solver in SOLVERS {
         let report = run(&pushed, &[&format!("solver.linear=\"{solver}\"")]);
@@ -355,7 +355,7 @@ fn a_block_without_loads_is_free() {
         for solver in SOLVERS {
             let report = run(text, &[&format!("solver.method=\"{method}\""), &format!("solver.linear=\"{solver}\"")]);
             let warnings: Vec<_> =
-                report.warnings.iter().filter(|warning| warning.kind == WarningKind::NotUnique).collect();
+                report.warnings.iter().filter(|warning| warning.kind == WarningKind::NOT_UNIQUE).collect();
             assert!(warnings.len() == 1 && warnings[0].message.contains("t = 2 s"), "{method} {solver}: {warnings:?}");
         }
     }

@@ -137,17 +137,17 @@ fn warnings(text: &str) -> Vec<Warning> {
 /// The kinds of the warnings that are not of the mesh, nor of the increments.
 fn kinds(text: &str) -> Vec<WarningKind> {
     let of_others = [
-        WarningKind::ContactUnresolved,
-        WarningKind::ContactCoarse,
-        WarningKind::SingularEdge,
-        WarningKind::StickZoneCoarse,
-        WarningKind::ObstacleBetweenNodes,
-        WarningKind::Locking,
-        WarningKind::CoarseMesh,
-        WarningKind::CurvedGaps,
-        WarningKind::IncrementsWork,
-        WarningKind::IncrementsForce,
-        WarningKind::SlowBlas,
+        WarningKind::CONTACT_UNRESOLVED,
+        WarningKind::CONTACT_COARSE,
+        WarningKind::SINGULAR_EDGE,
+        WarningKind::STICK_ZONE_COARSE,
+        WarningKind::OBSTACLE_BETWEEN_NODES,
+        WarningKind::LOCKING,
+        WarningKind::COARSE_MESH,
+        WarningKind::CURVED_GAPS,
+        WarningKind::INCREMENTS_WORK,
+        WarningKind::INCREMENTS_FORCE,
+        WarningKind::SLOW_BLAS,
     ];
     let kinds = warnings(text).into_iter().map(|warning| warning.kind);
     kinds.filter(|kind| !of_others.contains(kind)).collect()
@@ -164,7 +164,7 @@ fn obstacles_that_pass_between_the_ends_of_increments_are_warned_of() {
         let warned = [few, many].map(|n| {
             let text = scene(obstacle).replace("increments = 10", &format!("increments = {n}"));
             assert!(n == 10 || text != scene(obstacle));
-            kinds_of_all(&text).contains(&WarningKind::CurvedGaps)
+            kinds_of_all(&text).contains(&WarningKind::CURVED_GAPS)
         });
         assert_eq!(warned, [true, false], "{obstacle}");
     }
@@ -186,7 +186,7 @@ fn only_what_touches_leans() {
     for (angle, leans) in [(0.05, None), (0.2, Some("inclined by 11 degrees"))] {
         let tips = format!("motion.rotation = {{ through = [1.0, 0.0], history = [[0, 0], [1, -{angle}]] }}");
         let found = warnings(&scene(&format!("kind = \"plane\", {tips}")));
-        let leaning = found.iter().find(|warning| warning.kind == WarningKind::LeaningObstacle);
+        let leaning = found.iter().find(|warning| warning.kind == WarningKind::LEANING_OBSTACLE);
         match (leaning, leans) {
             (None, None) => {}
             (Some(warning), Some(says)) => assert!(warning.message.contains(says), "{warning:?}"),
@@ -224,12 +224,12 @@ fn a_pressed_crest_is_in_range() {
         held.replace("OBSTACLE", obstacle) + &format!("[[load]]\nboundary = \"top\"\ntraction = {load}\n")
     };
     for load in ["[0, -1e3]", "[1e3, 0]", "[0, -10]"] {
-        assert!(!kinds(&pressed(load)).contains(&WarningKind::GapsOutOfRange), "{load}");
+        assert!(!kinds(&pressed(load)).contains(&WarningKind::GAPS_OUT_OF_RANGE), "{load}");
     }
     // An edge that slides up a slope by more than it is pressed in.
     let wedge = "kind = \"wedge\", angle = 0.3, apex = [0.55, -1e-6]";
     let slides = held.replace("OBSTACLE", wedge) + "[[load]]\nboundary = \"top\"\ntraction = [1e7, -1e5]\n";
-    assert!(kinds(&slides).contains(&WarningKind::GapsOutOfRange));
+    assert!(kinds(&slides).contains(&WarningKind::GAPS_OUT_OF_RANGE));
 }
 
 /// A plane that turns until it stands upright lies along the lines on which gaps are measured: where it stands in the body it is

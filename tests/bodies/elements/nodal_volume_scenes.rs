@@ -45,7 +45,7 @@ fn a_bonded_block() {
             let energy = report.increments[0].strain_energy;
             assert!((energy / (0.5 * found * 0.01) - 1.0).abs() < 1e-9, "{name}: {energy:e}");
             assert!(report.estimates.locking.is_none());
-            assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::Locking));
+            assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::LOCKING));
         });
     }
 }

@@ -137,7 +137,7 @@ fn patches_are_the_peak(kind: CellKind, states: &[(usize, f64)]) {
             let [best, other] = if kind.is_quadratic() { [nodes, patches] } else { [patches, nodes] };
             assert!(best.abs() < 0.09 && best.abs() < 0.6 * other.abs(), "{kind:?} {n}: {nodes} {patches}");
         }
-        let scattered = report.warnings.iter().any(|warning| warning.kind == WarningKind::PeakScatter);
+        let scattered = report.warnings.iter().any(|warning| warning.kind == WarningKind::PEAK_SCATTER);
         assert_eq!(scattered, across >= 5 && !kind.is_quadratic());
     }
 }

@@ -57,7 +57,7 @@ fn a_body_that_rolls_is_warned_of() {
     let text = edit(&text, "point = [100, 100]", "point = [100, 200]");
     let warned = |text: &str| {
         let report = report(text, bn());
-        report.warnings.iter().any(|warning| warning.kind == WarningKind::LargeMotion)
+        report.warnings.iter().any(|warning| warning.kind == WarningKind::LARGE_MOTION)
     };
     assert!(warned(&text));
     let held = edit(&text, "[time]", "[[support]]\ncoupling = \"punch\"\nfix = [\"rotation_z\"]\n[time]");

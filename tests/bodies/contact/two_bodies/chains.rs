@@ -215,7 +215,7 @@ fn slides_by_supports_are_told() {
         let body = body.with_support(pressed).with_support(moved).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, model.times().to_vec(), bn()).unwrap().solve(&mut ()).unwrap();
-        report.warnings.iter().any(|warning| warning.kind == WarningKind::SlidAcrossFacets)
+        report.warnings.iter().any(|warning| warning.kind == WarningKind::SLID_ACROSS_FACETS)
     };
     assert_eq!([1e-4, 0.02, 0.03, 0.3].map(slide), [false, false, true, true]);
 }
@@ -228,7 +228,7 @@ fn forces_beyond_the_end_are_told() {
         let body = blocks(&all, vec![1.0]).pair(slave, 0.3, master).support("low:bottom", &[Axis::X, Axis::Y]);
         let model = Model::build(&body.load(Load::new("high:top", &[0.0, -1e5]))).unwrap();
         let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
-        let is_warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::BeyondTheEnd);
+        let is_warned = report.warnings.iter().any(|warning| warning.kind == WarningKind::BEYOND_THE_END);
         (report.status == Status::Converged, is_warned)
     };
     assert_eq!(warned(0.83, "high:bottom", "low:top", 3), (true, true));

@@ -65,7 +65,7 @@ fn forces_beyond_the_end_of_second_order() {
             .pair("upper:bottom", 0.3, "lower:top")
             .support("lower:bottom", &axes)
             .with_support(Support::new("upper:top", &axes).moved(&down));
-        whole::warns(&run(&body), WarningKind::BeyondTheEnd)
+        whole::warns(&run(&body), WarningKind::BEYOND_THE_END)
     };
     for counts in [[10, 14], [10, 7], [5, 4], [4, 4], [3, 10]] {
         assert!(!warned(counts, false), "{counts:?}");
@@ -80,7 +80,7 @@ fn forces_beyond_the_end_of_second_order() {
         .pair("upper:bottom", 0.3, "lower:top")
         .support("lower:bottom", &[Axis::X, Axis::Y])
         .load(Load::new("upper:top", &[0.0, -1e5]));
-    assert!(whole::warns(&run(&tips), WarningKind::BeyondTheEnd));
+    assert!(whole::warns(&run(&tips), WarningKind::BEYOND_THE_END));
 }
 
 /// A facet of second order across a slit: its middle is not covered and has no row, both its ends have.

@@ -387,7 +387,7 @@ fn pressed_pin(cells: Cells, n: [usize; 2], gap: Option<Field>, inner_is_slave: 
 /// The warning of facets.
 fn faceted(body: &Description) -> Option<String> {
     let report = whole::report(body, Method::BN, LinearAlgebra::Whole(SparseLu::default()));
-    report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FacetedGaps).map(|warning| warning.message)
+    report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FACETED_GAPS).map(|warning| warning.message)
 }
 
 /// A pin in a bore with a clearance far below the bulge of its facets: the pressure is that on second order.

@@ -153,7 +153,7 @@ fn the_moment_across_a_gap_is_told() {
             .load(Load::new("upper:top", &[1e5, 0.0]));
         let model = Model::build(&body).unwrap();
         let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
-        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::Unbalanced);
+        let warning = report.warnings.iter().find(|warning| warning.kind == WarningKind::UNBALANCED);
         assert_eq!(warning.is_some(), warned, "{warning:?}");
         let names_gap = |message: &str| message.contains("50.0 mm apart") && !message.contains("rounding");
         assert!(warning.is_none_or(|told| names_gap(&told.message)), "{warning:?}");

@@ -29,13 +29,13 @@ fn pressed(gap: f64, space: bool) -> Description {
 fn bodies_that_pass_through_each_other() {
     for space in [false, true] {
         let report = run(&pressed(1e-6, space));
-        let warning = message(&report, WarningKind::PassedThrough).unwrap();
+        let warning = message(&report, WarningKind::PASSED_THROUGH).unwrap();
         assert!(warning.contains("5.00 mm inside") && warning.contains("[[contact]]"), "{warning}");
         for slave in [["upper:bottom", "lower:top"], ["lower:top", "upper:bottom"]] {
             let report = run(&pressed(1e-6, space).pair(slave[0], 0.3, slave[1]));
-            assert_eq!(message(&report, WarningKind::PassedThrough), None);
+            assert_eq!(message(&report, WarningKind::PASSED_THROUGH), None);
         }
-        assert_eq!(message(&run(&pressed(0.01, space)), WarningKind::PassedThrough), None);
+        assert_eq!(message(&run(&pressed(0.01, space)), WarningKind::PASSED_THROUGH), None);
     }
 }
 
@@ -58,12 +58,12 @@ fn a_search_that_is_too_short() {
     };
     for upper_is_slave in [true, false] {
         let report = wedge(3e-3, upper_is_slave);
-        let warning = message(&report, WarningKind::PassedThrough).unwrap();
+        let warning = message(&report, WarningKind::PASSED_THROUGH).unwrap();
         assert!(
             warning.contains("within the search distance of 3.00 mm") && warning.contains("contact[0].search"),
             "{warning}"
         );
-        assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PassedThrough), None);
+        assert_eq!(message(&wedge(0.05, upper_is_slave), WarningKind::PASSED_THROUGH), None);
     }
 }
 
@@ -89,6 +89,6 @@ fn roundings_that_are_given_as_a_gap() {
             None => body,
         }
     };
-    assert_eq!(message(&run(&punch(Some(gap))), WarningKind::PassedThrough), None);
-    assert!(message(&run(&punch(None)), WarningKind::PassedThrough).is_some());
+    assert_eq!(message(&run(&punch(Some(gap))), WarningKind::PASSED_THROUGH), None);
+    assert!(message(&run(&punch(None)), WarningKind::PASSED_THROUGH).is_some());
 }

@@ -236,7 +236,7 @@ fn the_end_of_a_weld() {
         }
     });
     let report = Run::of(&model, vec![1.0], bn()).unwrap().solve(&mut ()).unwrap();
-    assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::NotUnique), "{:?}", report.warnings);
+    assert!(report.warnings.iter().all(|warning| warning.kind != WarningKind::NOT_UNIQUE), "{:?}", report.warnings);
 }
 
 /// Two glued blocks in space, whose nodes at the seam do not match, over a slope: the motion that closes all gaps at once
@@ -334,7 +334,7 @@ fn a_contact_goes_on_across_seams() {
         let [contact] = &report.estimates.contact[..] else { panic!("{k}: {:?}", report.estimates.contact) };
         assert_eq!((contact.zones, contact.singular_edge), (1, false), "{k}");
         assert_eq!(contact.nodes_across, across, "{k}");
-        let of_contact = [WarningKind::ContactCoarse, WarningKind::ContactUnresolved, WarningKind::SingularEdge];
+        let of_contact = [WarningKind::CONTACT_COARSE, WarningKind::CONTACT_UNRESOLVED, WarningKind::SINGULAR_EDGE];
         assert!(
             report.warnings.iter().all(|warning| !of_contact.contains(&warning.kind)),
             "{k}: {:?}",

@@ -57,7 +57,7 @@ fn a_push_beside_the_support() {
             whole::report(&press_fit(CellKind::Quadrilateral, is_slave, "shaft:bottom"), ways()[0].0, ways()[0].1);
         let [normal, push] = forces(&report);
         let whole = (push / (MU * normal) - 1.0).abs() < 1e-8;
-        assert_eq!(whole::warns(&report, WarningKind::FrictionLeftOut), !whole, "{is_slave} {normal} {push}");
+        assert_eq!(whole::warns(&report, WarningKind::FRICTION_LEFT_OUT), !whole, "{is_slave} {normal} {push}");
     }
 }
 
@@ -79,7 +79,7 @@ fn slide(lower: usize, upper: usize, lower_is_slave: bool, solver: (Method, Line
         .load(Load::new("upper:top", &[0.0, 0.0, -1e7]).over(&[[0.0, 0.0], [1.0, 1.0]]));
     let report = whole::report(&body, solver.0, solver.1);
     let force = &report.boundaries[0].force;
-    (force[0].abs(), force[2].abs(), whole::warns(&report, WarningKind::FrictionLeftOut))
+    (force[0].abs(), force[2].abs(), whole::warns(&report, WarningKind::FRICTION_LEFT_OUT))
 }
 
 /// With either side as the slave all nodes carry their friction.
@@ -141,7 +141,7 @@ fn friction_that_is_left_out_is_told() {
                 .with_support(slide)
                 .load(Load::new("top", &[0.0, -1e7]).over(&[[0.0, 0.0], [1.0, 1.0]]));
         let report = whole::report(&body, Method::BN, LinearAlgebra::Whole(SparseLu::default()));
-        report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FrictionLeftOut).map(|w| w.message)
+        report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FRICTION_LEFT_OUT).map(|w| w.message)
     };
     let message = warned("left").unwrap();
     assert!(message.contains("% of the possible friction of `bottom`"), "{message}");

@@ -28,7 +28,7 @@ pub(super) fn print_head(scene: &Scene, run: &Run<'_>, is_verbose: bool) {
     if is_verbose {
         print_set_up(scene, run);
     }
-    let of_model = Warning::of_model(run.model()).into_iter().filter(|warning| !warning.kind.needs_the_solution());
+    let of_model = Warning::of_model(run.model()).into_iter().filter(|warning| !warning.kind.needs_the_solution);
     let of_blas = Blas::loaded().as_ref().and_then(Warning::of_blas);
     print_warnings(&of_model.chain(of_blas).collect::<Vec<_>>());
     if is_verbose {
@@ -75,8 +75,7 @@ pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item =
     let mut cures = Vec::new();
     for Warning { kind, message, .. } in warnings {
         let (finding, cure) = message.rsplit_once("; ").unwrap_or((message, ""));
-        let kind = serde_json::json!(kind);
-        say!("warning      {}: {finding}", kind.as_str().unwrap_or_default());
+        say!("warning      {}: {finding}", kind.name);
         if !cure.is_empty() && !cures.contains(&cure) {
             say!("             {cure}");
             cures.push(cure);
@@ -98,7 +97,7 @@ pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize
         }
         print_work(report);
     }
-    print_warnings(report.warnings.iter().filter(|warning| warning.kind.needs_the_solution()));
+    print_warnings(report.warnings.iter().filter(|warning| warning.kind.needs_the_solution));
     print_verdict(report, increments, has_results);
 }
 
