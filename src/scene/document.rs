@@ -333,7 +333,7 @@ pub(super) struct SolverTable {
     pub method: MethodName,
     /// Constants that fit themselves to the scene, unless given, or those of the paper.
     pub setting: Option<Setting>,
-    /// The linear algebra; auto takes what is estimated to be the fastest.
+    /// The linear algebra; auto, unless given, takes what suits the sizes of body and contact.
     #[schemars(with = "String", extend("enum" = LINEAR))]
     pub linear: Option<Linear>,
     /// linear petsc: options of PETSc, as on its command line.

@@ -76,8 +76,7 @@ fn scene_by(reader: Reader<'_>) -> Result<Scene, SceneError> {
     let ends = with_further_ends(&description.ends_at_kinks(&description.times), of_cycle);
     time.kinks = ends.into_iter().filter(is_further).collect();
     description.times = time.all();
-    let touches = !description.contacts.is_empty();
-    let solver = solver::solver(&document.solver, touches).map_err(|fault| reader.at(fault))?;
+    let solver = solver::solver(&document.solver).map_err(|fault| reader.at(fault))?;
     let petsc = solver::petsc(&document.solver, &solver).map_err(|fault| reader.at(fault))?;
     let one_tangent_key = solver::one_tangent_key(solver.method.increments());
     let output = output::output(document.output, &time, reader).map_err(|fault| reader.at(fault))?;

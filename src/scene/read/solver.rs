@@ -14,8 +14,8 @@ pub(super) fn one_tangent_key(method: Method) -> Option<&'static str> {
     matches!(method, Method::PaperIp { .. }).then_some("solver.setting")
 }
 
-/// Converts `given` to a choice of the solver; `touches` is `true` if the scene has contacts.
-pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<SolverChoice, InputError> {
+/// Converts `given` to a choice of the solver.
+pub(super) fn solver(given: &document::SolverTable) -> Result<SolverChoice, InputError> {
     let method = method(given)?;
     let max_iterations = given.max_iterations.unwrap_or(SolverChoice::MAX_ITERATIONS as i64);
     let help = "an increment that needs more iterations has not converged";
@@ -26,7 +26,7 @@ pub(super) fn solver(given: &document::SolverTable, touches: bool) -> Result<Sol
     let help = "the relative error that every law may have, e.g. 1e-10";
     let is_valid = tolerance > 0.0 && tolerance < 1.0;
     ensure(is_valid, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
-    let linear = linear(given.linear, touches)?;
+    let linear = linear(given.linear)?;
     Ok(SolverChoice { method, linear, max_iterations: max_iterations as usize, tolerance })
 }
 
@@ -40,21 +40,11 @@ pub(super) fn petsc(given: &document::SolverTable, solver: &SolverChoice) -> Res
     Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))
 }
 
-fn linear(given: Option<Linear>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+fn linear(given: Option<Linear>) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let whole = LinearAlgebra::default();
-    let Some(Linear(given)) = given else {
-        // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
-        let cholesky = !touches && LinearAlgebra::condensed().is_built_in();
-        return Ok(Some(if cholesky { LinearAlgebra::condensed() } else { whole }));
-    };
-    // The candidates of the comparison.
-    let Some(linear) = given else {
-        return match (whole.is_built_in(), LinearAlgebra::condensed().is_built_in()) {
-            (true, true) => Ok(None),
-            (true, false) => Ok(Some(whole)),
-            (false, _) => Err(fault(NOTHING_BUILT_IN, BUILD_IT)),
-        };
+    let Some(Linear(Some(linear))) = given else {
+        return if whole.is_built_in() { Ok(None) } else { Err(fault(NOTHING_BUILT_IN, BUILD_IT)) };
     };
     let missing = match linear {
         linear if linear.is_built_in() => return Ok(Some(linear)),
