@@ -82,7 +82,7 @@ fn a_limit_of_the_address_space_has_a_verdict() {
             continue;
         }
         for scene in [plane, solid] {
-            for solver in [&["--solver", WHOLE], &["--solver", "condensed"]] {
+            for solver in [&["--solver", WHOLE][..], &["--solver", "condensed"]] {
                 let ended = ended(limited(megabytes, &[&scene, solver].concat()), &folder);
                 let good = ended.code == Some(0) && ended.words.contains("verdict      converged");
                 let short = ended.code == Some(3) && ended.words.contains("memory");
