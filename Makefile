@@ -1,4 +1,4 @@
-# make demo   solve the paper's block, 100 x 100 elements, and say where the results are
+# make demo   solve the paper's block, 100 x 100 elements, say where the results are, and compare three linear solvers
 # make test   all tests
 # make python the Python module, compiled and tested in an environment of its own; needs a network once
 # make python-docs its notebooks, run, and compared with their pages in doc/python; PAGES=--write writes these
@@ -30,8 +30,15 @@ SUDO := $(shell test "$$(id -u)" = 0 || echo sudo)
 
 .PHONY: demo test pure campaign packages petsc python python-module python-docs wheel wheel-test sdist sdist-test book book-test readability archive bench instructions lines tables report extremes elements compare fresh fuzz sanitize deps
 
+# Two more linear solvers work beside the run, on the second core; the last lines have their results and times beside each other.
 demo: deps
-	cargo run --release -- run data/scenes/block.toml --out results/block
+	cargo build --release -p stickslip-cli
+	@for solver in partial condensed; do \
+		target/release/stickslip run data/scenes/block.toml --solver $$solver --threads 1 --quiet --out results/block-$$solver >/dev/null & done; \
+	target/release/stickslip run data/scenes/block.toml --solver umfpack --threads 1 --out results/block && wait && \
+	awk '/^  "solver":/ { gsub(/[",]/, ""); solver = $$2 } /^    "friction_work":/ { work = $$2 + 0 } \
+		/^    "cpu_seconds":/ { printf "%-12s friction work %.11g J/m, %.2f s CPU\n", solver, work, $$2 }' \
+		results/block/run.json results/block-partial/run.json results/block-condensed/run.json
 
 # What the program does for itself: OpenBLAS falls back to its oldest kernel on processors that it does not know.
 KERNEL := $(shell if grep -qw avx512vl /proc/cpuinfo; then echo SKYLAKEX; elif grep -qw avx2 /proc/cpuinfo; then echo HASWELL; fi 2>/dev/null)

@@ -23,7 +23,7 @@
 //! ```
 
 mod applicable;
-pub(crate) mod auto;
+mod auto;
 mod checks;
 mod discretise;
 mod error;
@@ -64,12 +64,8 @@ use crate::solver::initial_working_set::{self, InitialWorkingSet};
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 use applicable::available_solvers;
-use auto::factorizations;
-pub use auto::{AvailableSolvers, Choice, Done, Faster, SolverEstimate};
+pub use auto::{AvailableSolvers, Choice};
 pub use watch::{RecordWriter, Sink};
-
-/// The number of factorisations from which on a better ordering is worth its time.
-const MANY: f64 = 10.0;
 
 /// A model with its increments and its solver. A run may be solved several times.
 #[derive(Debug)]
@@ -80,8 +76,6 @@ pub struct Run<'a> {
     times: Vec<f64>,
     solver: SolverChoice,
     choice: Choice,
-    /// The memory that the model leaves free.
-    budget: Option<Budget>,
     /// The initial working set of condensed equations.
     initial_set: InitialWorkingSet,
     uniqueness: bool,
@@ -167,7 +161,7 @@ impl<'a> Run<'a> {
             Choice::named(linear)
         } else {
             let available = available_solvers(&model, solver.method, budget);
-            Choice::cheapest(&model.problem, &initial_set, solver.method, times.len(), available)?
+            Choice::by_size(&model.problem, &initial_set, available)?
         };
         let model = as_chosen(scene, model, solver, choice.linear)?;
         MemoryEstimate::check(&model, &initial_set, choice.linear, budget)?;
@@ -180,7 +174,6 @@ impl<'a> Run<'a> {
             times,
             solver,
             choice,
-            budget,
             initial_set,
             uniqueness,
             cycle,
@@ -311,12 +304,14 @@ impl<'a> Run<'a> {
         Ok(HistorySettings { working_set: self.initial_set.nodes.clone(), ..settings })
     }
 
-    /// Returns the chosen linear system, with an ordering for the expected number of factorisations.
+    /// Returns the chosen linear system. Where it is factored many times in the plane, a better ordering is worth its
+    /// time.
     fn system(&self) -> SystemSolver {
-        let expected = || factorizations(&Layout::new(&self.model.problem), self.solver.method, self.times.len());
+        let many = self.times.len() > 1 || self.solver.method.is_exact_path();
+        let touches = self.model.problem.contacts() > 0;
         match self.choice.linear {
             LinearAlgebra::Whole(lu) => {
-                SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && expected() >= MANY))
+                SystemSolver::from(lu.solver_for(self.model.mesh.dimension == 2 && touches && many))
             }
             LinearAlgebra::Condensed(cholesky) => SystemSolver::condensed(cholesky, self.initial_set.factor.clone()),
             LinearAlgebra::Multigrid => grid::system(&self.model, self.solver.method.increments(), None),

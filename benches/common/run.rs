@@ -135,17 +135,8 @@ fn run(case: Case, who: &str, method: Method) -> Measured {
     let naive = who == "naive";
     let tolerance = if naive { 1e-3 } else { scene.solver.tolerance };
     let problem = &model.problem;
-    let choice = || {
-        Choice::cheapest(
-            problem,
-            &InitialWorkingSet::default(),
-            method.into(),
-            scene.time.increments,
-            AvailableSolvers::of_process(),
-        )
-        .unwrap()
-        .linear
-    };
+    let choice =
+        || Choice::by_size(problem, &InitialWorkingSet::default(), AvailableSolvers::of_process()).unwrap().linear;
     let system = match scene.solver.linear {
         _ if naive => SystemSolver::from(Box::new(Naive::default()) as Box<dyn LinearSolver>),
         linear => SystemSolver::from(linear.unwrap_or_else(choice)),

@@ -5,7 +5,7 @@ use crate::foreign::Raised;
 use crate::loading::{History, Tables};
 use crate::problem::{Options, Problem, exported, system};
 use crate::recorder::{Keep, PATIENCE, Recorder};
-use crate::solve::{Algebra, BUG, cheapest, detached};
+use crate::solve::{Algebra, BUG, by_size, detached};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -55,17 +55,16 @@ impl Sample {
     }
 }
 
-/// The linear algebra for all samples: the cheapest for so many increments. A body that is to be condensed is so afterwards.
+/// The linear algebra for all samples. A body that is to be condensed is so afterwards.
 fn prepared(samples: &[Sample], solver: &SolverChoice) -> Result<LinearAlgebra, RunError> {
     let Some(first) = samples.first() else { return Ok(LinearAlgebra::default()) };
     let loading = first.loading()?;
     // What is wrong with the settings is wrong for all.
     solver.settings(&first.problem, &loading)?;
-    let increments = samples.iter().map(|sample| sample.history.times.len()).sum();
     let linear = match solver.linear {
         Some(linear) => linear,
         None if first.condensation.is_for(&first.problem) => LinearAlgebra::Condensed(first.condensation.cholesky()),
-        None => cheapest(&first.problem, &InitialWorkingSet::default(), solver.method, increments)?,
+        None => by_size(&first.problem, &InitialWorkingSet::default())?,
     };
     if let SystemSolver::Condensed(condensation) = system(&first.condensation, linear) {
         // Without success, each history says why.

@@ -6,7 +6,7 @@ use crate::error::{of_linear, of_problem};
 use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::recorder::{Keep, Recorder, codes};
-use crate::solve::{Algebra, cheapest, detached, method, watched};
+use crate::solve::{Algebra, by_size, detached, method, watched};
 use numpy::PyArray1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -102,7 +102,7 @@ impl Options {
     }
 }
 
-/// The linear system and the settings of a history: the cheapest where nobody says which. A body that `condensation`
+/// The linear system and the settings of a history: that which suits the sizes where nobody says which. A body that `condensation`
 /// has condensed already stays so.
 fn prepared(
     Problem(problem, condensation): &Problem,
@@ -127,7 +127,7 @@ fn prepared(
     }
     let linear = match solver.linear {
         Some(linear) => linear,
-        None => cheapest(problem, &reach, solver.method, times.len())?,
+        None => by_size(problem, &reach)?,
     };
     Ok((system(condensation, linear), HistorySettings { working_set: reach.nodes, ..settings }))
 }

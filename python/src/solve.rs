@@ -17,9 +17,9 @@ use stickslip::solver::{ContactProblem, InitialWorkingSet};
 
 /// The linear algebra that was asked for.
 pub(crate) enum Algebra {
-    /// What the scene says, or else the cheapest.
+    /// What the scene says, or else what suits the sizes.
     Unsaid,
-    /// The cheapest.
+    /// What suits the sizes.
     Auto,
     Named(LinearAlgebra),
     Foreign(Box<Foreign>),
@@ -57,14 +57,9 @@ impl Algebra {
     }
 }
 
-/// The cheapest linear algebra for so many increments.
-pub(crate) fn cheapest(
-    problem: &ContactProblem,
-    reach: &InitialWorkingSet,
-    method: HistoryMethod,
-    increments: usize,
-) -> Result<LinearAlgebra, RunError> {
-    Ok(Choice::cheapest(problem, reach, method, increments, AvailableSolvers::of_process())?.linear)
+/// The linear algebra that suits the sizes.
+pub(crate) fn by_size(problem: &ContactProblem, reach: &InitialWorkingSet) -> Result<LinearAlgebra, RunError> {
+    Ok(Choice::by_size(problem, reach, AvailableSolvers::of_process())?.linear)
 }
 
 /// A method with its setting, as scenes call them.

@@ -5,7 +5,7 @@ use crate::foreign::Raised;
 use crate::loading::Tables;
 use crate::problem::{Options, Problem, exported};
 use crate::recorder::{Keep, Recorder};
-use crate::solve::{Algebra, cheapest, watched};
+use crate::solve::{Algebra, by_size, watched};
 use pyo3::exceptions::{PyRuntimeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -13,9 +13,6 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use stickslip::run::RunError;
 use stickslip::solver::history::{self, SolverChoice, StepperState, SystemSolver};
 use stickslip::solver::{ContactProblem, InitialWorkingSet, Loading};
-
-/// So many increments are expected of somebody who goes step by step: enough for what is kept to be worth it.
-const EXPECTED: usize = 100;
 
 type Steps = history::Stepper<Arc<ContactProblem>>;
 
@@ -55,9 +52,7 @@ impl Stepper {
         let system = match (own.take(), self.solver.linear) {
             (Some(own), _) => own,
             (None, Some(linear)) => linear.into(),
-            (None, None) => {
-                cheapest(&self.problem, &InitialWorkingSet::default(), self.solver.method, EXPECTED)?.into()
-            }
+            (None, None) => by_size(&self.problem, &InitialWorkingSet::default())?.into(),
         };
         Ok(Steps::new(Arc::clone(&self.problem), settings, system)?)
     }

@@ -145,7 +145,7 @@ def converge(
     within : float, optional
         The largest time of the study, s: a run that is predicted to exceed it is not started.
     linear : {"auto", "faer", "partial", "condensed", "umfpack"}, optional
-        "auto": the cheapest for each mesh. None: what the scene says. ``solver.linear`` of the overrides goes before it.
+        "auto": what suits the sizes of each mesh. None: what the scene says. ``solver.linear`` of the overrides goes before it.
     progress : bool, optional
         A bar by tqdm.
 

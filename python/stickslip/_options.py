@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Method = Literal["bn", "ip", "events"]
 #: The settings of a method: this library's, or those of the paper.
 Setting = Literal["default", "paper"]
-#: The linear algebra: the cheapest, sparse LU or partial elimination by faer, condensed to the contact, UMFPACK where it is built in.
+#: The linear algebra: what suits the sizes, sparse LU or partial elimination by faer, condensed to the contact, UMFPACK where it is built in.
 Linear = Literal["auto", "faer", "partial", "condensed", "umfpack"]
 
 #: What differs between histories: an entry for each, or an array with a row for each.

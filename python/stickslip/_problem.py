@@ -176,7 +176,7 @@ class ContactProblem(Matrices):
         setting : "default" or "paper"
             The constants of this library, which is the default, or those of Christensen et al. (1998).
         linear : "auto", "faer", "partial", "condensed", "umfpack" or `LinearSolver`
-            Linear algebra; "auto", the cheapest, without it. "umfpack" where it is built in.
+            Linear algebra; "auto", what suits the sizes, without it. "umfpack" where it is built in.
         tolerance : float, optional
             The largest error of any law, relative; 1e-10 without it.
         max_iterations : int, optional

@@ -305,7 +305,7 @@ class Model:
         Parameters
         ----------
         linear : {"auto", "faer", "partial", "condensed", "umfpack"} or LinearSolver, optional
-            "auto": the cheapest. "umfpack" where it is built in, see `stickslip.UMFPACK`. None: what the scene says.
+            "auto": what suits the sizes. "umfpack" where it is built in, see `stickslip.UMFPACK`. None: what the scene says.
         keep_u : {"all", "last", "none"} or sequence of int, optional
             Of which increments displacements are kept. One run has room for all; `stickslip.sweep` keeps the last.
         callback : callable, optional

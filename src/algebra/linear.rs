@@ -14,7 +14,6 @@ mod choice;
 mod cholesky;
 #[cfg(feature = "umfpack")]
 mod cholmod;
-pub(crate) mod cost;
 mod dense;
 mod direct;
 mod engine;

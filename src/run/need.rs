@@ -4,13 +4,12 @@ use std::path::Path;
 
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
-use crate::algebra::linear::cost::Work;
-use crate::algebra::linear::{FactorInfo, LinearError};
+use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
 use crate::base::memory::{Budget, kilobytes};
 use crate::body::model::Model;
-use crate::run::auto::{Estimates, SolverEstimate, factor_of};
 use crate::solver::history::LinearAlgebra;
 use crate::solver::initial_working_set::InitialWorkingSet;
+use crate::solver::problem::ContactProblem;
 
 /// Bytes per entry of the lower triangle of the stiffness, for mesh, assembly and the patterns and values of all
 /// formulations; and where the formulations are those of condensed equations.
@@ -27,6 +26,25 @@ const PROGRAM_BYTES: f64 = 25e6;
 
 /// Bytes of the records of an increment, if they are kept.
 const RECORD_BYTES: f64 = 2000.0;
+
+/// The largest memory of an entry of the Schur complement, bytes: the complement, the block of the factor that it comes
+/// from, a square of the same size while it is formed, and later the factors of the unconstrained part (measured: 43
+/// with 4000 contact displacements).
+const SCHUR_BYTES: f64 = 44.0;
+/// The largest memory of an entry of a sparse factor during the factorisation, bytes.
+const LU_BYTES: f64 = 16.0;
+/// The memory of an entry of a Cholesky factor once it is factored, bytes.
+const CHOLESKY_BYTES: f64 = 8.0;
+/// The largest memory of an entry of a factor with MUMPS, bytes.
+const MUMPS_BYTES: f64 = 12.0;
+
+/// The memory of multigrid for a displacement, bytes: the Newton matrix, the matrix with contact eliminated and its
+/// hierarchy, twice, and the vectors of GMRES (measured, including everything else in a run: 9700 on a cube of 24³
+/// elements).
+const MULTIGRID_BYTES: f64 = 8200.0;
+
+/// The share of the factors that ranks store twice: four ranks take 1.24 times the memory of one.
+const KEPT_TWICE: f64 = 0.3;
 
 /// An upper bound of the entries of a factor relative to those of the stiffness, for factors that fit into a machine.
 /// If there is room for that many, no ordering is needed to know that there is enough.
@@ -57,11 +75,6 @@ impl MemoryEstimate {
         Ok(Self::with(model, &InitialWorkingSet::default(), linear, records, stiffness))
     }
 
-    /// Estimates the memory for `model` by one of the compared linear solvers, without records.
-    pub fn of_path(model: &Model, path: &SolverEstimate) -> Self {
-        MemoryEstimate { body: body(model, path.linear), factors: path.cost.bytes, history: 0.0 }
-    }
-
     fn with(
         model: &Model,
         initial_set: &InitialWorkingSet,
@@ -69,38 +82,13 @@ impl MemoryEstimate {
         records: usize,
         stiffness: FactorInfo,
     ) -> Self {
-        let work = Work { increments: 0.0, factorizations: 0.0, all_free: false };
-        let factors = Estimates::new(&model.problem, initial_set, work, stiffness).cost(linear);
-        let ranks = if linear.is_shared() { ranks() } else { 1 };
-        let factors = factors.shared_by(ranks).bytes;
+        let factors = factors(&model.problem, initial_set, linear, stiffness);
         MemoryEstimate { body: body(model, linear), factors, history: RECORD_BYTES * records as f64 }
     }
 
     /// Returns the total.
     pub fn bytes(&self) -> u64 {
         (self.body + self.factors + self.history) as u64
-    }
-
-    /// Returns the number of displacements of a uniform refinement of `model` at which this need alone reaches `bytes`.
-    /// The body and multigrid grow in proportion to the number of displacements `n`, factors and the Schur complement
-    /// as `n^(4/3)` in space (nested dissection) and as `n log n` in the plane.
-    pub fn most_displacements(&self, model: &Model, linear: LinearAlgebra, bytes: u64) -> f64 {
-        let n = model.problem.displacements() as f64;
-        let fill = |finer: f64| match (linear, model.mesh.dimension) {
-            (LinearAlgebra::Multigrid | LinearAlgebra::Petsc, _) => finer,
-            (_, 2) => finer * (n * finer).ln().max(1.0) / n.ln().max(1.0),
-            _ => finer.powf(4.0 / 3.0),
-        };
-        let takes = |finer: f64| PROGRAM_BYTES + (self.body - PROGRAM_BYTES) * finer + self.factors * fill(finer);
-        let (mut room, mut none) = (0.0, 1.0);
-        while takes(none) <= bytes as f64 {
-            (room, none) = (none, 2.0 * none);
-        }
-        for _ in 0..30 {
-            let middle = 0.5 * (room + none);
-            *if takes(middle) <= bytes as f64 { &mut room } else { &mut none } = middle;
-        }
-        n * room
     }
 
     /// Returns an error if `budget`, the memory left after building the model, is too small for the factors of a run of
@@ -122,8 +110,7 @@ impl MemoryEstimate {
         let (what, stiffness) = if linear.iterates() {
             ("the hierarchies of this scene", FactorInfo::default())
         } else {
-            let entries = MAX_FILL * model.problem.stiffness().lower_entries();
-            if of(FactorInfo { entries, ..FactorInfo::default() }) <= budget.bytes as f64 {
+            if of(most_entries(&model.problem)) <= budget.bytes as f64 {
                 return Ok(());
             }
             match factor_of(&model.problem) {
@@ -149,6 +136,38 @@ impl MemoryEstimate {
             None => Ok(()),
         }
     }
+}
+
+/// Returns the properties of the Cholesky factor of the stiffness, by one symbolic analysis.
+pub(super) fn factor_of(problem: &ContactProblem) -> Result<FactorInfo, LinearError> {
+    Cholesky::predict(problem.stiffness().assembled()?.as_ref())
+}
+
+/// Returns an upper bound of that, which needs no analysis.
+pub(super) fn most_entries(problem: &ContactProblem) -> FactorInfo {
+    FactorInfo { entries: MAX_FILL * problem.stiffness().lower_entries(), ..FactorInfo::default() }
+}
+
+/// Returns the largest memory of the factors on this process, bytes, where condensed equations contain the contact nodes
+/// `initial_set` or all. `stiffness` tells of the Cholesky factor of the stiffness; LU has about twice its entries.
+pub(super) fn factors(
+    problem: &ContactProblem,
+    initial_set: &InitialWorkingSet,
+    linear: LinearAlgebra,
+    stiffness: FactorInfo,
+) -> f64 {
+    let entries = stiffness.entries as f64;
+    let bytes = match linear {
+        LinearAlgebra::Whole(SparseLu::Partial) | LinearAlgebra::Condensed(_) => {
+            let schur = (initial_set.displacements(problem) as f64).powi(2);
+            (LU_BYTES * entries).max(CHOLESKY_BYTES * entries + SCHUR_BYTES * schur)
+        }
+        LinearAlgebra::Whole(SparseLu::Mumps) => MUMPS_BYTES * 2.0 * entries,
+        LinearAlgebra::Whole(SparseLu::Umfpack | SparseLu::Faer) => LU_BYTES * 2.0 * entries,
+        LinearAlgebra::Multigrid | LinearAlgebra::Petsc => MULTIGRID_BYTES * problem.displacements() as f64,
+    };
+    let ranks = if linear.is_shared() { ranks() as f64 } else { 1.0 };
+    bytes * (1.0 + KEPT_TWICE * (1.0 - 1.0 / ranks)) / ranks
 }
 
 /// Returns the memory before anything is factored, bytes.

@@ -2,11 +2,11 @@
 
 use std::time::Instant;
 
-use super::applicable::{available_solvers, fell_back};
+use super::applicable::fell_back;
 use super::checks::Solved;
 use super::force_jumps::{ForceJump, JumpDetector};
 use super::watch::{ReportCollector, Watches};
-use super::{Done, Faster, RecordedIncrement, Run, RunError, Sink};
+use super::{RecordedIncrement, Run, RunError, Sink};
 use crate::algebra::linear::process::blas::Blas;
 use crate::algebra::linear::{LinearError, RefinedSolver};
 use crate::body::estimate::error_of_force;
@@ -136,8 +136,7 @@ impl Run<'_> {
             units: model.units(),
             method: method.name(),
             setting: method.setting(),
-            solver_choice: self.choice.reason(),
-            faster_solver: self.faster(&linear, &totals, outcome.tally.increments),
+            solver_choice: self.choice.reason.clone(),
             solver: linear,
             blas,
             status: outcome.status,
@@ -217,17 +216,5 @@ impl Run<'_> {
             _ => uniqueness::critical_friction,
         };
         critical(problem, &data, state, scaling, &mut RefinedSolver::default())
-    }
-
-    /// Returns a linear solver that would have been much faster than the requested one. Returns `None` also if
-    /// the estimate fails, e.g. for lack of memory, because the solved history does not depend on it.
-    fn faster(&self, linear: &str, totals: &Totals, increments: usize) -> Option<Faster> {
-        // A distributed stiffness has no local entries for the estimate.
-        if linear != self.choice.linear.to_string() || self.model.problem.stiffness().distributed().is_some() {
-            return None;
-        }
-        let available = available_solvers(&self.model, self.solver.method, self.budget);
-        let done = &Done { increments, factorizations: totals.factorizations, seconds: totals.wall_seconds };
-        self.choice.faster(&self.model.problem, &self.initial_set, self.solver.method, available, done).ok()?
     }
 }

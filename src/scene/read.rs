@@ -123,8 +123,7 @@ fn checked(document: Document, mut time: Time, bodies: Bodies, reader: Reader<'_
     let ends = with_further_ends(&description.ends_at_kinks(&description.times), of_cycle);
     time.kinks = ends.into_iter().filter(is_further).collect();
     description.times = time.all();
-    let touches = !description.contacts.is_empty();
-    let solver = solver::solver(&document.solver, touches)?;
+    let solver = solver::solver(&document.solver)?;
     let petsc = solver::petsc(&document.solver, &solver)?;
     let output = output::output(document.output, &time, reader)?;
     let source = reader.source.clone();

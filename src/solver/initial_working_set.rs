@@ -2,16 +2,15 @@
 
 use std::sync::Arc;
 
-use crate::algebra::linear::cost::{self, Work};
 use crate::algebra::linear::{Cholesky, LinearError, SparseCholesky};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
-/// The largest admissible cost of contact nodes out of reach, relative to the work with the body itself. Nodes within
-/// this cost are kept.
+/// The most entries of the Schur complement relative to those of the lower triangle of `K`, up to which contact nodes
+/// out of reach are kept.
 pub const AFFORDABLE: f64 = 1.0;
 
-/// The smallest share of the cost of all nodes that omitting nodes must save, since they may have to join one by one.
+/// The smallest share of the Schur complement that omitting nodes must save, since they may have to join one by one.
 const WORTHWHILE: f64 = 0.5;
 
 /// The factor of `K` of a three-dimensional body has some tens of times the entries of `K`. A contact block with
@@ -28,9 +27,20 @@ pub struct InitialWorkingSet {
     pub(crate) factor: Option<Arc<Cholesky>>,
 }
 
+impl InitialWorkingSet {
+    /// Returns the number of displacements of `problem` on which the forces of its nodes act.
+    pub(crate) fn displacements(&self, problem: &ContactProblem) -> usize {
+        match &self.nodes {
+            Some(nodes) => problem.contact_displacements_of(nodes.iter().copied()).len(),
+            None => problem.contact_displacements().len(),
+        }
+    }
+}
+
 /// Returns the initial working set of `problem` under `loading`, over increments that end at `times` (s). It has all
 /// nodes (`None`) if only contact holds the body, if all nodes are cheap, or if too many are within reach. Nodes out
-/// of reach are kept, the nearest first, as long as they cost at most `affordable` times the work with the body.
+/// of reach are kept, the nearest first, as long as the Schur complement has at most `affordable` times the entries of
+/// the lower triangle of `K`.
 /// `condensing` is the factorisation by which the body will be condensed; if that is not decided yet, the cheapest
 /// ordering is used.
 ///
@@ -58,18 +68,17 @@ pub fn working_set(
     if all == 0 || !problem.rigid_modes().is_empty() {
         return whole(None);
     }
-    let (m, increments) = (problem.contact_displacements().len(), times.len());
-    // Most nodes out of reach are open, as are many within reach.
-    let work = Work { increments: increments as f64, factorizations: increments as f64, all_free: true };
-    let of_contact = |nodes: usize| cost::border((m * nodes).div_ceil(all), &work);
-    let most = (1.0 - WORTHWHILE) * of_contact(all);
-    let spare = affordable * cost::body(problem.displacements(), problem.stiffness().lower_entries(), increments);
-    if of_contact(all) <= spare {
+    let m = problem.contact_displacements().len();
+    // The entries of the Schur complement on so many nodes.
+    let entries = |nodes: usize| (m as f64 * nodes as f64 / all as f64).powi(2);
+    let most = (1.0 - WORTHWHILE) * entries(all);
+    let spare = affordable * problem.stiffness().lower_entries() as f64;
+    if entries(all) <= spare {
         return whole(None);
     }
     let mut least = least_distances(loading, times, &[]);
     // The loads do not matter if the obstacles alone bring too many nodes within reach.
-    if of_contact(within_reach(&least).0) > most {
+    if entries(within_reach(&least).0) > most {
         return whole(None);
     }
     let mut made = None;
@@ -87,9 +96,9 @@ pub fn working_set(
         least = least_distances(loading, times, &moved);
     }
     let (within, nearest) = within_reach(&least);
-    let affordable = (0..all).find(|nodes| of_contact(nodes + 1) > spare).unwrap_or(all);
+    let affordable = (0..all).find(|nodes| entries(nodes + 1) > spare).unwrap_or(all);
     let size = within.max(affordable).max(1);
-    if of_contact(size) > most {
+    if entries(size) > most {
         return whole(made);
     }
     let mut nodes = nearest[..size].to_vec();

@@ -50,7 +50,7 @@ fn contact() {
     let (start, end) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
     let text = [&text[..start], &text[end..]].concat();
     let scene = parsed_with(&text, &["mesh.elements=[5,5,5]"]);
-    assert_eq!(scene.solver.linear, Some(LinearAlgebra::condensed()));
+    assert_eq!(Run::new(&scene).unwrap().choice().linear, LinearAlgebra::condensed());
     let [(whole, states), (cholesky, others)] = both().map(|backend| solve(&scene, backend));
     assert_eq!((whole.linear.factorizations, cholesky.linear.factorizations), (1, 0));
     assert!(cholesky.linear.factor.entries < whole.linear.factor.entries);

@@ -224,10 +224,11 @@ fn what_is_within_reach() {
     // Node 4 too, but not at these times.
     assert_eq!(set(&loading(5.0), &[1.0]), Some(vec![0, 1, 2, 4]));
     assert_eq!(set(&loading(5.0), &[2.0]), Some(vec![0, 1]));
-    // Too many, and as many as they like.
+    // Too many, and as many as the entries of the stiffness, which are as many as nodes, allow.
     assert_eq!(set(&Loading::new(Vec::new(), vec![-0.1; n]).unwrap(), &[1.0]), None);
     let spared = |affordable| within_reach(&problem, &loading(0.0), &[1.0], affordable);
-    assert_eq!((spared(1.0), spared(f64::INFINITY)), (None, None));
+    assert_eq!((spared(1.0), spared(2.0)), (Some(vec![0, 1, 2]), Some(vec![0, 1, 2, 3])));
+    assert_eq!((spared(10.0), spared(f64::INFINITY)), (None, None));
     // A body that contact alone holds has them all.
     let parts = Parts { rigid_modes: None, ..problem.clone().into_parts() };
     let free = Symmetric::from_triplets(n, &[(0, 0, 1.0)]).unwrap();

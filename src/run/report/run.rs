@@ -19,7 +19,6 @@ use crate::algebra::linear::process::blas::Blas;
 use crate::base::units::UnitSystem;
 use crate::body::estimate::StickZone;
 use crate::body::model::{Model, RangeLeft};
-use crate::run::auto::Faster;
 use crate::run::refinement::CoarserMesh;
 use crate::solver::events::PathEnd;
 use crate::solver::history::{HistoryOutcome, IncrementRecord, Status, WorkingSet};
@@ -57,9 +56,6 @@ pub struct RunReport {
     /// The reason for the choice of the linear solver, if the scene leaves it open.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub solver_choice: Option<String>,
-    /// A linear solver estimated to take much less time, if the run was long enough for an estimate.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub faster_solver: Option<Faster>,
     /// The BLAS used by the factorisations, in a build that has one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub blas: Option<Blas>,

@@ -17,12 +17,11 @@ pub(super) struct SolverTable {
     /// output times.
     /// Example: `method = "ip"`. Default: `"bn"`.
     pub method: MethodName,
-    /// Linear solver; `"auto"` takes the one estimated to be the fastest.
-    /// Example: `linear = "auto"`. Value: see below. Default: see below.
+    /// Linear solver; `"auto"` takes the one that suits the sizes of body and contact.
+    /// Example: `linear = "condensed"`. Value: see below. Default: `"auto"`.
     #[serde(deserialize_with = "linear_word")]
     #[schemars(with = "String", extend("enum" = LINEAR))]
-    #[allow(clippy::option_option)]
-    pub linear: Option<Option<LinearAlgebra>>,
+    pub linear: Option<LinearAlgebra>,
     /// `linear = "petsc"`: [options of PETSc](../../howto/large-bodies.md#options-of-petsc), as on its command
     /// line.
     /// Example: `petsc = "-ksp_monitor"`. Value: text. Default: none.
@@ -81,12 +80,11 @@ fn start_word<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Start
 /// The words of `solver.start`.
 const STARTS: [&str; 2] = ["safe", "prev"];
 
-/// Reads `solver.linear`; `None` in it for `auto`.
-#[allow(clippy::option_option)] // The outer one tells whether the key is given.
-fn linear_word<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Option<LinearAlgebra>>, D::Error> {
+/// Reads `solver.linear`; `None` for `auto`.
+fn linear_word<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<LinearAlgebra>, D::Error> {
     let word = String::deserialize(deserializer)?;
     let known = if word == "auto" { Ok(None) } else { word.parse().map(Some) };
-    known.map(Some).map_err(|_| de::Error::unknown_variant(&word, &LINEAR))
+    known.map_err(|_| de::Error::unknown_variant(&word, &LINEAR))
 }
 
 /// The words of `solver.linear`.
@@ -106,8 +104,8 @@ const LINEAR: [&str; 10] = [
 const OR_COMPILE: &str = ", or compile with the feature petsc";
 const BUILD_IT: &str = "build it with the cargo feature umfpack or faer";
 
-/// Converts `given` to a choice of the solver; `touches` is `true` if the scene has contacts.
-pub(super) fn solver(given: &SolverTable, touches: bool) -> Result<SolverChoice, InputError> {
+/// Converts `given` to a choice of the solver.
+pub(super) fn solver(given: &SolverTable) -> Result<SolverChoice, InputError> {
     let method = method(given)?;
     let max_iterations = given.max_iterations.unwrap_or(SolverChoice::MAX_ITERATIONS);
     let help = "an increment that needs more iterations has not converged";
@@ -117,7 +115,7 @@ pub(super) fn solver(given: &SolverTable, touches: bool) -> Result<SolverChoice,
     let help = "the relative error that every law may have, e.g. 1e-10";
     let is_valid = tolerance > 0.0 && tolerance < 1.0;
     ensure(is_valid, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
-    let linear = linear(given.linear, touches)?;
+    let linear = linear(given.linear)?;
     Ok(SolverChoice { method, linear, max_iterations, tolerance })
 }
 
@@ -131,24 +129,18 @@ pub(super) fn petsc(given: &SolverTable, solver: &SolverChoice) -> Result<String
     Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))
 }
 
-fn linear(given: Option<Option<LinearAlgebra>>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+fn linear(given: Option<LinearAlgebra>) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
-    let (whole, condensed) = (LinearAlgebra::default(), LinearAlgebra::condensed());
-    let linear = match given {
-        // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
-        None => return Ok(Some(if !touches && condensed.is_built_in() { condensed } else { whole })),
-        Some(None) if !whole.is_built_in() => return Err(fault("this build has no linear algebra", BUILD_IT)),
-        // The candidates of the comparison.
-        Some(None) => return Ok((!condensed.is_built_in()).then_some(whole)),
-        Some(Some(linear)) if linear.is_built_in() => return Ok(Some(linear)),
-        Some(Some(linear)) => linear,
-    };
-    let (missing, or) = match linear {
-        LinearAlgebra::Whole(SparseLu::Umfpack) => ("UMFPACK", ""),
-        LinearAlgebra::Whole(SparseLu::Mumps) => ("MUMPS", OR_COMPILE),
-        LinearAlgebra::Whole(SparseLu::Faer) => ("faer", ""),
-        LinearAlgebra::Multigrid | LinearAlgebra::Petsc => ("PETSc", OR_COMPILE),
-        LinearAlgebra::Whole(SparseLu::Partial) | LinearAlgebra::Condensed(_) => ("Cholesky factorisation", ""),
+    let whole = LinearAlgebra::default();
+    let (missing, or) = match given {
+        None if whole.is_built_in() => return Ok(None),
+        None => return Err(fault("this build has no linear algebra", BUILD_IT)),
+        Some(linear) if linear.is_built_in() => return Ok(Some(linear)),
+        Some(LinearAlgebra::Whole(SparseLu::Umfpack)) => ("UMFPACK", ""),
+        Some(LinearAlgebra::Whole(SparseLu::Mumps)) => ("MUMPS", OR_COMPILE),
+        Some(LinearAlgebra::Whole(SparseLu::Faer)) => ("faer", ""),
+        Some(LinearAlgebra::Multigrid | LinearAlgebra::Petsc) => ("PETSc", OR_COMPILE),
+        Some(LinearAlgebra::Whole(SparseLu::Partial) | LinearAlgebra::Condensed(_)) => ("Cholesky factorisation", ""),
     };
     let other = format!("use \"{whole}\" or \"condensed\"{or}");
     Err(fault(&format!("this build has no {missing}"), if whole.is_built_in() { &other } else { BUILD_IT }))

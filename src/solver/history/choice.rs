@@ -54,7 +54,7 @@ impl From<Method> for HistoryMethod {
 pub struct SolverChoice {
     /// The method of the history, with its named set of constants.
     pub method: HistoryMethod,
-    /// The linear solver; `None` lets [`crate::run::Choice`] choose.
+    /// The linear solver; `None` leaves it to [`crate::run::Choice`].
     pub linear: Option<LinearAlgebra>,
     /// The limit of iterations in an increment.
     pub max_iterations: usize,
@@ -66,13 +66,12 @@ impl SolverChoice {
     /// The default limit of iterations in an increment.
     pub const MAX_ITERATIONS: usize = MAX_ITERATIONS;
 
-    /// Creates a choice of `method` with its default tolerance and limit, and this build's linear solver on the
-    /// uncondensed system.
+    /// Creates a choice of `method` with its default tolerance and limit, which leaves the linear solver open.
     pub fn new(method: impl Into<HistoryMethod>) -> Self {
         let method = method.into();
         SolverChoice {
             method,
-            linear: Some(LinearAlgebra::default()),
+            linear: None,
             max_iterations: Self::MAX_ITERATIONS,
             tolerance: method.increments().default_tolerance(),
         }

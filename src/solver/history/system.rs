@@ -13,8 +13,7 @@ use std::sync::Arc;
 ///
 /// All forms give the same solution. Condensation is by far the fastest if few displacements are in contact and an
 /// increment takes several iterations. It needs memory for the square of their number, and as many solves with `K` in
-/// advance. The whole system has no such limit. [`crate::run::Choice`] estimates the cost of both and takes the cheaper
-/// one.
+/// advance. The whole system has no such limit. [`crate::run::Choice`] decides by the sizes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum LinearAlgebra {
     /// The uncondensed system on all displacements and contact forces.

@@ -2,36 +2,26 @@
 
 use crate::common::block;
 use crate::common::prelude::*;
-use stickslip::run::{AvailableSolvers, Choice, Done, Unsuited, unsuited};
+use stickslip::run::{AvailableSolvers, Choice, MemoryEstimate, Unsuited, unsuited};
 use stickslip::solver::InitialWorkingSet;
 
 const STRIP: [&str; 2] = ["mesh.size=[1000,4]", "mesh.elements=[1000,4]"];
 
-fn scene(overrides: &[&str]) -> (Scene, Model) {
-    let scene = block(&[overrides, &["solver.linear=\"auto\""]].concat());
-    let model = discretise(&scene).unwrap();
-    (scene, model)
-}
-
-fn cheapest(scene: &Scene, model: &Model, available: Option<u64>) -> Choice {
+fn by_size(model: &Model, available: Option<u64>) -> Choice {
     let means = AvailableSolvers { available, multigrid: false, ranks: 1 };
-    Choice::cheapest(&model.problem, &InitialWorkingSet::default(), scene.solver.method, scene.time.increments, means)
-        .unwrap()
+    Choice::by_size(&model.problem, &InitialWorkingSet::default(), means).unwrap()
 }
 
 fn choice(overrides: &[&str], available: Option<u64>) -> Choice {
-    let (scene, model) = scene(overrides);
-    cheapest(&scene, &model, available)
+    by_size(&discretise(&block(overrides)).unwrap(), available)
 }
 
 #[test]
 fn squares_are_condensed_and_strips_are_not() {
-    for increments in ["time.increments=2", "time.increments=40"] {
-        let square = choice(&["mesh.elements=[60,60]", increments], None);
-        assert_eq!(square.linear, LinearAlgebra::condensed(), "{:?}", square.reason());
-        let strip = choice(&[&STRIP[..], &[increments]].concat(), None);
-        assert!(!strip.linear.condenses(), "{:?}", strip.reason());
-    }
+    let square = choice(&["mesh.elements=[60,60]"], None);
+    assert_eq!(square.linear, LinearAlgebra::condensed(), "{:?}", square.reason);
+    let strip = choice(&STRIP, None);
+    assert_eq!(strip.linear, LinearAlgebra::default(), "{:?}", strip.reason);
 }
 
 #[test]
@@ -41,64 +31,56 @@ fn cubes_are_condensed_and_the_thinnest_plate_is_not() {
         [("[8,8,8]", "[1,1,1]", true), ("[16,16,4]", "[1,1,0.25]", true), ("[32,32,2]", "[1,1,0.0625]", false)]
     {
         let overrides = [format!("mesh.elements={elements}"), format!("mesh.size={size}")];
-        let overrides = overrides.iter().map(String::as_str).chain(["solver.linear=\"auto\""]);
-        let overrides: Vec<_> = overrides.map(|text| text.parse().unwrap()).collect();
-        let scene = Scene::parse("cube.toml", text, &overrides).unwrap();
-        let choice = cheapest(&scene, &discretise(&scene).unwrap(), None);
-        assert_eq!(choice.linear.condenses(), expected, "{elements}: {:?}", choice.reason());
+        let overrides = overrides.each_ref().map(String::as_str);
+        let choice = by_size(&discretise(&parsed_with(text, &overrides)).unwrap(), None);
+        assert_eq!(choice.linear.condenses(), expected, "{elements}: {:?}", choice.reason);
     }
 }
 
+/// Whoever names no solver has it chosen: a scene, and Rust.
 #[test]
 fn the_reason_is_told() {
-    let reason = choice(&["mesh.elements=[40,40]"], None).reason().unwrap();
-    let other = format!("for {}", LinearAlgebra::default());
-    for part in ["condensed (estimated ", " s against ", &other] {
-        assert!(reason.contains(part), "{part}: {reason}");
+    let condensed = LinearAlgebra::condensed();
+    let reason = choice(&["mesh.elements=[40,40]"], None).reason.unwrap();
+    assert_eq!(reason, "condensed: 80 contact displacements of 3280");
+    for overrides in [&["mesh.elements=[40,40]"][..], &["mesh.elements=[40,40]", "solver.linear=\"auto\""]] {
+        let scene = block(overrides);
+        assert_eq!(Run::new(&scene).unwrap().choice(), &Choice { linear: condensed, reason: Some(reason.clone()) });
     }
+    let model = discretise(&block(&["mesh.elements=[40,40]"])).unwrap();
+    let run = Run::of(&model, model.times().to_vec(), SolverChoice::default()).unwrap();
+    assert_eq!(run.choice().reason.as_ref(), Some(&reason));
     let named = block(&["mesh.elements=[5,5]", "solver.linear=\"condensed\""]);
-    let run = Run::new(&named).unwrap();
-    let choice = run.choice();
-    assert_eq!((choice.linear, choice.reason()), (LinearAlgebra::condensed(), None));
-}
-
-/// A run that took long is told which linear algebra is much faster, unless the program chose. A short run is not worth the estimate.
-#[test]
-fn a_much_faster_linear_algebra_is_named() {
-    let (_, model) = scene(&["mesh.elements=[60,60]"]);
-    let faster = |choice: &Choice, seconds: f64| {
-        let done = Done { increments: 40, factorizations: 250, seconds };
-        let means = AvailableSolvers { available: None, multigrid: false, ranks: 1 };
-        choice.faster(&model.problem, &InitialWorkingSet::default(), Method::default().into(), means, &done).unwrap()
-    };
-    let whole = Choice::named(LinearAlgebra::default());
-    let condensed = faster(&whole, 1e3).unwrap();
-    assert_eq!(condensed.solver, LinearAlgebra::condensed());
-    assert!(condensed.here_seconds > 3.0 * condensed.seconds, "{condensed}");
-    assert!(condensed.to_string().contains("solver.linear = \"auto\" chooses the faster"), "{condensed}");
-    assert_eq!(faster(&whole, 1e-3), None);
-    assert_eq!(faster(&Choice::named(LinearAlgebra::condensed()), 1e3), None);
-    assert_eq!(faster(&choice(&["mesh.elements=[60,60]"], None), 1e3), None);
+    assert_eq!(Run::new(&named).unwrap().choice(), &Choice { linear: condensed, reason: None });
 }
 
 #[test]
 fn what_memory_does_not_hold_is_not_chosen() {
-    let whole = choice(&["mesh.elements=[40,40]"], None);
-    let takes = |linear| whole.paths().iter().find(|path| path.linear == linear).unwrap().cost.bytes;
-    let (more, less) = (takes(LinearAlgebra::default()), takes(LinearAlgebra::condensed()));
-    assert!(more > less);
-    // The faster one of those that have room, and where none has, the least.
-    for (available, room) in [(more, 2), (less, 1), (0.9 * less, 0)] {
-        let choice = choice(&["mesh.elements=[40,40]"], Some(available.ceil() as u64));
-        assert_eq!(choice.linear, LinearAlgebra::condensed());
-        let reason = choice.reason().unwrap();
-        assert_eq!(reason.contains(" would take more memory than the "), room < 2, "{reason}");
-        assert_eq!(reason.contains("; condensed ") || reason.contains(" and condensed "), room == 0, "{reason}");
+    let needs = |overrides: &[&str], linear| {
+        MemoryEstimate::of(&discretise(&block(overrides)).unwrap(), linear, 0).unwrap().factors as u64
+    };
+    let (whole, condensed) = (LinearAlgebra::default(), LinearAlgebra::condensed());
+    // The better one of those that have room, and where none has, that with the least.
+    let square = ["mesh.elements=[40,40]"];
+    let (more, less) = (needs(&square, whole), needs(&square, condensed));
+    assert!(less < more, "{less} {more}");
+    for available in [more + 1, less + 1, less / 2] {
+        let choice = choice(&square, Some(available));
+        assert_eq!((choice.linear, choice.reason.unwrap().contains("left")), (condensed, false));
     }
-    let strip = choice(&[&STRIP[..], &["time.increments=2"]].concat(), Some(1000));
-    let (least, others) = strip.paths().split_first().unwrap();
-    let least = others.iter().fold(least, |least, path| if path.cost.bytes < least.cost.bytes { path } else { least });
-    assert_eq!(strip.linear, least.linear);
+    let (less, more) = (needs(&STRIP, whole), needs(&STRIP, condensed));
+    assert!(less < more, "{less} {more}");
+    for available in [more + 1, less + 1, less / 2] {
+        assert_eq!(choice(&STRIP, Some(available)).linear, whole);
+    }
+    // A contact that is small enough to condense it may need more memory than the whole system.
+    let wide = ["mesh.elements=[300,10]", "mesh.size=[300,10]"];
+    let (less, more) = (needs(&wide, whole), needs(&wide, condensed));
+    assert_eq!(choice(&wide, Some(more + 1)).linear, condensed);
+    let Choice { linear, reason } = choice(&wide, Some(less + 1));
+    let reason = reason.unwrap();
+    assert_eq!(linear, whole);
+    assert!(reason.contains("; condensed would take ") && reason.ends_with(" left"), "{reason}");
 }
 
 /// Multigrid is told where it belongs, whatever this build has.
@@ -115,18 +97,17 @@ fn who_multigrid_is_for() {
     assert_eq!(of(&[small, "material.poisson=0.46"], Method::BN), Some(Unsuited::NearlyIncompressible(0.46)));
     let reason = of(&[small, "mesh.size=[1,1,0.03]"], Method::BN).unwrap().to_string();
     assert_eq!(reason, "the longest distance between corners of an element is 47 times the shortest");
-    assert_eq!(unsuited(&scene(&["mesh.elements=[3,3]"]).1, Method::BN.into()), Some(Unsuited::Plane));
+    let plane = discretise(&block(&["mesh.elements=[3,3]"])).unwrap();
+    assert_eq!(unsuited(&plane, Method::BN.into()), Some(Unsuited::Plane));
 }
 
 #[test]
 fn without_contact_any_choice_solves() {
     let text = BLOCK;
     let (contact, load) = (text.find("[[contact]]").unwrap(), text.find("[[load]]").unwrap());
-    let scene =
-        parsed_with(&[&text[..contact], &text[load..]].concat(), &["mesh.elements=[4,4]", "solver.linear=\"auto\""]);
+    let scene = parsed_with(&[&text[..contact], &text[load..]].concat(), &["mesh.elements=[4,4]"]);
     let model = discretise(&scene).unwrap();
-    let choice = cheapest(&scene, &model, None);
-    assert_eq!(run(&scene, &model, choice.linear).0.status, Status::Converged);
+    assert_eq!(run(&scene, &model, by_size(&model, None).linear).0.status, Status::Converged);
 }
 
 fn run(scene: &Scene, model: &Model, backend: LinearAlgebra) -> (HistoryOutcome, Vec<State>) {
@@ -141,8 +122,9 @@ fn both_ways_have_the_same_result() {
     for (overrides, expected) in
         [(&["mesh.elements=[30,30]"][..], true), (&["mesh.elements=[300,2]", "mesh.size=[300,2]"], false)]
     {
-        let (scene, model) = scene(&[overrides, &["time.increments=2"]].concat());
-        assert_eq!(cheapest(&scene, &model, None).linear.condenses(), expected);
+        let scene = block(&[overrides, &["time.increments=2"]].concat());
+        let model = discretise(&scene).unwrap();
+        assert_eq!(by_size(&model, None).linear.condenses(), expected);
         let [(whole, whole_states), (condensed, condensed_states)] = both().map(|backend| run(&scene, &model, backend));
         assert_eq!((whole.status, condensed.status), (Status::Converged, Status::Converged));
         for (a, b) in whole_states.iter().zip(&condensed_states) {

@@ -2,8 +2,8 @@
 
 mod histories;
 mod mesh;
+mod needs;
 mod obstacles;
-mod paths;
 mod words;
 
 use super::run::print_warnings;
@@ -11,8 +11,8 @@ use super::{Failure, SceneArgs, origin};
 use clap::Args;
 use histories::points;
 use mesh::{bodies, made};
+use needs::needs;
 use obstacles::{frame, motions, shape};
-use paths::paths;
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 use stickslip::base::{Budget, Field, Quantity, UnitSystem, in_words, six_digits};
@@ -64,7 +64,7 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.max_iterations,
         solver.tolerance
     );
-    for line in paths(&scene, &model, budget)? {
+    for line in needs(&scene, &model, budget)? {
         say!("{line}");
     }
     say!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));

@@ -118,7 +118,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     let done = left.as_ref().map_or(0, Checkpoint::increments);
     let resumes = left.is_some();
     let run = prepared(args, &scene, count, left)?;
-    let linear = KeptSolver { name: run.choice().linear.to_string(), reason: run.choice().reason().or(reason) };
+    let linear = KeptSolver { name: run.choice().linear.to_string(), reason: run.choice().reason.clone().or(reason) };
     let choice = linear.reason.clone();
     let folder = claim.map(|claim| open_folder(claim, &scene, run.model(), (origin, linear), resumes)).transpose()?;
     if !args.printed.json {

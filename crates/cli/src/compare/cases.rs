@@ -112,7 +112,7 @@ impl Body {
         let end = scene.time.all().last().copied();
         let by = |method: HistoryMethod, increments| {
             let last = LastIncrement { model, end, watch: EstimateWatch::new(model) };
-            // The linear solver is the one with the least estimated time.
+            // The linear solver is the one that suits the sizes.
             self.solve(SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
         };
         if has_exact_path(model) {

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 /// Values that differ between runs of the same scene: times, and counts that include the additional factorisations of a
 /// resumed run.
-const OF_THE_RUN: [&str; 10] = [
+const OF_THE_RUN: [&str; 9] = [
     "cpu_seconds",
     "wall_seconds",
     "setup_seconds",
@@ -19,7 +19,6 @@ const OF_THE_RUN: [&str; 10] = [
     "seconds",
     "blas",
     "solver_choice",
-    "faster_solver",
 ];
 
 /// Returns the visible files of a folder, by name.

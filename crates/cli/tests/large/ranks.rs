@@ -84,7 +84,10 @@ fn every_scene_is_the_same_on_two_and_four_ranks() {
 fn other_commands_and_solvers_are_told_that_they_have_no_use_for_ranks() {
     let cube = path("cube");
     for (arguments, words) in [
-        (&["run", &cube][..], "has started 2 processes of this program, but umfpack uses only one"),
+        (
+            &["run", &cube, "--solver", "umfpack"][..],
+            "has started 2 processes of this program, but umfpack uses only one",
+        ),
         (&["run", &cube, "--solver", "condensed"], "but condensed uses only one"),
         (&["sweep", &cube, "--vary", "time.increments=1,2"], "has started sweep, which has no use for ranks"),
         (&["compare", &cube], "has started compare, which has no use for ranks"),
@@ -133,24 +136,26 @@ fn a_rank_with_another_command_helps_all_the_same() {
     assert_eq!(ended.report()["totals"]["ranks"].as_array().unwrap().len(), 2);
 }
 
-/// Each process takes its share, and solvers that cannot be shared are not offered.
+/// Each process takes its share, and solvers that cannot be shared are not chosen.
 #[test]
 fn check_tells_what_ranks_take() {
     let cube = path("cube");
-    let check = |count: usize| {
-        let ended = Job::start(count, &["check", &cube, "--set", "mesh.elements=[12,12,12]"]).end();
+    let check = |count: usize, more: &[&str]| {
+        let arguments = [&["check", &cube, "--set", "mesh.elements=[12,12,12]"], more].concat();
+        let ended = Job::start(count, &arguments).end();
         assert_eq!(ended.status, Some(0), "{}", ended.error);
         ended.output
     };
-    let (one, two) = (check(1), check(2));
-    let of = |text: &str, solver: &str| {
-        let line = text.lines().find(|line| line.trim_start().starts_with(solver)).map(str::to_string);
-        let words = line.map(|line| line.split_whitespace().map(str::to_string).collect::<Vec<_>>());
-        words.map(|words| words[words.iter().position(|word| word == "MB").unwrap() - 1].parse::<f64>().unwrap())
+    let megabytes = |text: &str| {
+        let line = text.lines().find(|line| line.starts_with("memory")).unwrap();
+        let words: Vec<_> = line.split_whitespace().collect();
+        words[words.iter().position(|word| *word == "MB").unwrap() - 1].parse::<f64>().unwrap()
     };
-    let (by_one, by_two) = (of(&one, SHARED[0].0).unwrap(), of(&two, SHARED[0].0).unwrap());
-    assert!(by_two < by_one && two.contains("by 2 processes; the memory is that of the first one"), "{one}{two}");
-    assert!(of(&one, "condensed").is_some() && of(&two, "condensed").is_none(), "{two}");
+    let named = format!("solver.linear={:?}", SHARED[0].0);
+    let [one, two] = [1, 2].map(|count| check(count, &["--set", &named]));
+    assert!(megabytes(&two) < megabytes(&one) && two.contains(" for the first of 2 processes"), "{one}{two}");
+    let (one, two) = (check(1, &[]), check(2, &[]));
+    assert!(one.contains(" condensed: ") && two.contains(&format!(" {}: 2 processes, ", SHARED[0].0)), "{one}{two}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-use crate::program::{Folder, send, small};
+use crate::program::{Folder, WHOLE, send, small};
 
 /// The end of a process.
 struct ProcessResult {
@@ -82,7 +82,7 @@ fn a_limit_of_the_address_space_has_a_verdict() {
             continue;
         }
         for scene in [plane, solid] {
-            for solver in [&[][..], &["--solver", "condensed"]] {
+            for solver in [&["--solver", WHOLE][..], &["--solver", "condensed"]] {
                 let ended = ended(limited(megabytes, &[&scene, solver].concat()), &folder);
                 let good = ended.code == Some(0) && ended.words.contains("verdict      converged");
                 let short = ended.code == Some(3) && ended.words.contains("memory");

@@ -234,7 +234,7 @@ fn a_run_that_is_killed_again_and_again_ends_as_if_it_had_not_been() {
     let scene = small().replace("[4, 4]", "[20, 20]").replace("increments = 4", "increments = 30");
     let mut random = Random(20);
     let exact = ["--method", "events", "--setting", "default"];
-    for options in [&["--setting", "default"][..], &["--method", "ip", "--solver", WHOLE], &exact] {
+    for options in [&["--setting", "default", "--solver", WHOLE][..], &["--method", "ip", "--solver", WHOLE], &exact] {
         let case = Case::new(&scene, options);
         let killed = killed_until_done(&case, "killed", &mut random);
         assert_same(&case.path("whole"), &case.path("killed"));

@@ -232,14 +232,12 @@ fn reports() -> Vec<Value> {
         let (_folder, scene) = Folder::with_scene(scene);
         json(&stickslip(&[&["run", &scene, "--json"], args].concat()))
     };
-    let slow = ["--set", "mesh.elements=[60,60]", "--set", "time.increments=40"];
     vec![
         json_of(&small(), &["--uniqueness"]),
         json_of(&small(), &["--solver", "auto"]),
         json_of(&small(), &["--set", "contact.friction=0.0", "--uniqueness"]),
         // Loads that are there at t = 0 and change at once.
         json_of(&small(), &["--setting", "default", "--set", "load[0].history=[[0,1],[2,0.25]]", "--increments", "1"]),
-        json_of(&small(), &slow),
         json_of(&edit(&small(), "young = 210e9", "young = 210e5"), &["--setting", "default"]),
         json_of(&cube, &["--method", "ip"]),
         json_of(&small(), &["--set", "mesh.cells=\"triangle\"", "--set", "mesh.refine=0.1"]),

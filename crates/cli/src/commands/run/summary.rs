@@ -52,8 +52,8 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
         say!("mesh         refined {} times, from {} to {nodes} nodes", run.coarser_meshes().len(), first.nodes);
     }
     say!("method       {}, setting {}", method.name(), method.setting());
-    if let Some(reason) = choice.reason() {
-        say!("solver       auto: {reason}");
+    if let Some(reason) = &choice.reason {
+        say!("solver       {reason}");
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     let Time { increments, kinks, .. } = &scene.time;
@@ -322,9 +322,6 @@ fn print_work(report: &RunReport) {
     say!("time         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
     for RankRecord { rank, cpu_seconds, peak_rss_bytes } in &totals.ranks {
         say!("rank {rank:<8}{cpu_seconds:.2} s CPU, {:.0} MB", *peak_rss_bytes as f64 * 1e-6);
-    }
-    if let Some(faster) = &report.faster_solver {
-        say!("faster       {faster}");
     }
 }
 
