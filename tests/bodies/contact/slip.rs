@@ -30,8 +30,8 @@ fn slips_beyond(text: &str, limit: f64, near: f64, load: &str, solvers: &[&str])
     }
 }
 
-/// The whole system: condensed equations take more iterations until a joint is seen to slip (6 of the block on a floor,
-/// where others take 2, and 43 of the bolted bracket, where others take 9).
+/// The whole system: condensed equations take more iterations until a joint is seen to slip, 6 where converged increments of
+/// the block on a floor take 2, and 43 where those of the bolted bracket take 9.
 fn whole() -> String {
     format!("solver.linear=\"{}\"", LinearAlgebra::default())
 }
