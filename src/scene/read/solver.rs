@@ -117,7 +117,7 @@ pub(super) fn solver(given: &SolverTable, touches: bool) -> Result<SolverChoice,
     let help = "the relative error that every law may have, e.g. 1e-10";
     let is_valid = tolerance > 0.0 && tolerance < 1.0;
     ensure(is_valid, "solver.tolerance", &tolerance, "above 0 and below 1", help)?;
-    let linear = linear(given.linear, touches)?;
+    let linear = linear(given, touches)?;
     Ok(SolverChoice { method, linear, max_iterations, tolerance })
 }
 
@@ -131,10 +131,10 @@ pub(super) fn petsc(given: &SolverTable, solver: &SolverChoice) -> Result<String
     Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))
 }
 
-fn linear(given: Option<Option<LinearAlgebra>>, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
+fn linear(given: &SolverTable, touches: bool) -> Result<Option<LinearAlgebra>, InputError> {
     let fault = |message: &str, help: &str| InputError::new("solver.linear", message, help);
     let (whole, condensed) = (LinearAlgebra::default(), LinearAlgebra::condensed());
-    let linear = match given {
+    let linear = match given.linear {
         // Without contact, condensation eliminates all unknowns, so that it is a Cholesky factorisation of K.
         None => return Ok(Some(if !touches && condensed.is_built_in() { condensed } else { whole })),
         Some(None) if !whole.is_built_in() => return Err(fault("this build has no linear algebra", BUILD_IT)),
