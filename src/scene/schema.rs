@@ -155,11 +155,11 @@ mod tests {
             let Row { kinds: own, example, value, default, meaning, .. } = row;
             if with_kinds && !own.is_empty() {
                 let own = own.split(", ").map(|kind| format!("`{kind}`")).collect::<Vec<_>>().join(", ");
-                text += &format!("| {own} ");
+                text.extend(["| ", &own, " "]);
             } else if with_kinds || own != kinds {
                 continue;
             }
-            text += &format!("| {example} | {value} | {default} | {meaning} |\n");
+            text.extend(["| ", &example, " | ", &value, " | ", &default, " | ", &meaning, " |\n"]);
         }
         text
     }
@@ -174,7 +174,7 @@ mod tests {
             let (line, rest) = rest.split_once('\n').expect("a line");
             let after = rest.split_inclusive('\n').skip_while(|line| line.starts_with('|')).collect::<String>();
             known.extend(of.split(": ").next().iter().flat_map(|tables| tables.split(", ")).map(str::to_string));
-            page += &format!("{of} -->\n\n{head}\n{line}\n{}{after}", table(schema, of, head));
+            page.extend([of, " -->\n\n", head, "\n", line, "\n", &table(schema, of, head), &after]);
         }
         page
     }
