@@ -12,7 +12,9 @@ function draw(into, curves, titles, zoom = null) {
     let low = Math.min(...points.map((p) => p[k])), high = Math.max(...points.map((p) => p[k]));
     // Heights that vary by more than half of their size are shown from 0.
     if (k && high - low > 0.5 * Math.max(-low, high)) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
-    return high > low ? [low, high] : [low - 1, high + 1];
+    // A smaller range is rounding.
+    const size = Math.max(-low, high);
+    return high - low > 1e-9 * size ? [low, high] : [low - (size / 2 || 1), high + (size / 2 || 1)];
   };
   const [[x0, x1], [y0, y1]] = zoom || [0, 1].map(range);
   const X = (x) => L + ((x - x0) / (x1 - x0)) * (W - L - R), Y = (y) => H - B - ((y - y0) / (y1 - y0)) * (H - T - B);
@@ -28,17 +30,18 @@ function draw(into, curves, titles, zoom = null) {
     return node;
   };
   const add = addTo(svg);
-  const ticks = (low, high) => {
-    const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw));
+  const ticks = (low, high, most) => {
+    // Labels have at most six digits.
+    const raw = Math.max((high - low) / most, 1e-5 * Math.max(-low, high)), power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= raw);
     const first = Math.ceil(low / step - 1e-9);
-    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(6)));
   };
-  for (const y of ticks(y0, y1)) {
+  for (const y of ticks(y0, y1, 5)) {
     add("line", { class: y === 0 ? "zero" : "grid", x1: L, x2: W - R, y1: Y(y), y2: Y(y) });
     add("text", { x: L - 8, y: Y(y) + 4, "text-anchor": "end" }, `${y}`);
   }
-  for (const x of ticks(x0, x1)) {
+  for (const x of ticks(x0, x1, Math.min(5, (W - L - R) / 80))) {
     add("line", { class: "grid", x1: X(x), x2: X(x), y1: T, y2: H - B });
     add("text", { x: X(x), y: H - B + 18, "text-anchor": "middle" }, `${x}`);
   }
