@@ -127,7 +127,8 @@ fn of_ends(contact: &ContactEstimate) -> Vec<Warning> {
         warnings.push(Warning { kind: WarningKind::UnevenElements, message });
     }
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n));
-    if let (Some(stick), Some(n)) = (&contact.stick, n) {
+    let partial = contact.stick.as_ref().filter(|stick| stick.ratio > 0.0 && stick.ratio < 1.0);
+    if let (Some(stick), Some(n)) = (partial, n) {
         let message = format!(
             "`{}` at t = {} s: the stick zone, {:.2} of the contact width, lies on {n} nodes across the contact: it may be off \
              by an element at each end",
