@@ -118,21 +118,20 @@ fn integers(low: f64, high: f64, most: f64) -> Ticks {
     if high - low > TICKS_OF_LABEL * most {
         return linear(low, high, 0.0, most);
     }
-    let step = step(high - low, most).0.max(1.0);
-    let (step, first, last) = (step as i64, low as i64, high as i64);
-    let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| number(k, 1.0)) };
-    Ticks { from: low - 0.5, to: high + 0.5, all: (first..=last).map(tick).collect() }
+    whole(low, high, 0.5, most, |k| number(k, 1.0))
 }
 
 fn decades(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     let room = margin * (high - low);
-    let (from, to) = ((low - room).floor(), (high + room).ceil());
-    let step = step(to - from, most).0.max(1.0) as i64;
-    let tick = |k: i64| Tick {
-        value: k as f64,
-        label: (k % step == 0).then(|| format!("10{}", k.to_string().chars().map(superscript).collect::<String>())),
-    };
-    Ticks { from, to, all: (from as i64..=to as i64).map(tick).collect() }
+    let power = |k: i64| format!("10{}", k.to_string().chars().map(superscript).collect::<String>());
+    whole((low - room).floor(), (high + room).ceil(), 0.0, most, power)
+}
+
+/// Returns ticks at whole numbers, and the ends of the axis `beside` the first and the last.
+fn whole(low: f64, high: f64, beside: f64, most: f64, label: impl Fn(i64) -> String) -> Ticks {
+    let step = step(high - low, most).0.max(1.0) as i64;
+    let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| label(k)) };
+    Ticks { from: low - beside, to: high + beside, all: (low as i64..=high as i64).map(tick).collect() }
 }
 
 /// Returns the step (1, 2 or 5 times a power of ten) that divides `span` into at most about `most` parts, and the

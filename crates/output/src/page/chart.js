@@ -1,4 +1,4 @@
-// A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point; `arrows` in the direction of time; `ends`, its
+// A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point, `hollow` rings or discs; `arrows` in the direction of time; `ends`, its
 // first and last point; `wide`, or `bare` without the curve itself. A drag zooms, and a double click or double tap shows all again.
 // Own code: uPlot (51 kB) wants ascending x, which loops do not have; Chart.js takes 210 kB, and one more plugin to zoom.
 const NS = "http://www.w3.org/2000/svg";
@@ -49,14 +49,14 @@ function draw(into, curves, titles, zoom = null) {
   add("text", { x: 4, y: 16 }, up);
   const box = { x: L, y: T, width: W - L - R, height: H - T - B };
   const inside = addTo(add("svg", { ...box, viewBox: Object.values(box).join(" "), style: `overflow:${zoom ? "hidden" : "visible"}` }));
-  for (const { name, colour, points, marks, arrows, ends, wide, bare } of curves) {
+  for (const { name, colour, points, marks, hollow, arrows, ends, wide, bare } of curves) {
     const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
     const shown = at.map(([x, y]) => [X(x), Y(y)]);
     if (!bare) inside("polyline", { points: shown.map((p) => p.map((c) => c.toFixed(1)).join(",")).join(" "), style: `stroke:${colour};stroke-width:${wide ? 2.6 : 1.6}` });
     if (arrows) for (const [x, y, angle] of arrowsOn(shown))
       inside("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
     if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => inside("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
-    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
+    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: hollow ? 5 : 2.6, style: hollow ? `fill:none;stroke:${fill}` : `fill:${fill}` }));
   }
   const dot = inside("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
   const tip = add("text", { y: T + 12, visibility: "hidden" });
