@@ -124,10 +124,8 @@ impl UnitNames {
     /// Returns the names of `units`.
     pub fn of(units: &UnitSystem) -> Self {
         // The unit of a whole body, however thick it is.
-        let of_name = match units.depth {
-            Depth::Thickness(_) => UnitSystem { depth: Depth::Whole, ..*units },
-            _ => *units,
-        };
+        let depth = if units.depth == Depth::Unit { Depth::Unit } else { Depth::Whole };
+        let of_name = UnitSystem { depth, ..*units };
         let named = |quantity| NamedUnit { name: units.name(quantity), si: of_name.to_si(quantity, 1.0) };
         UnitNames {
             length: named(Quantity::Length),
