@@ -133,15 +133,13 @@ impl Sweep {
     /// Formats the table as comma-separated values, in the units of the sweep. The quantities come last.
     pub fn to_csv(&self) -> String {
         // The names of the boundaries with contact in any variant, each with the number of components of its force.
-        let mut boundaries: Vec<(&str, usize)> = Vec::new();
-        for on in self.variants.iter().flat_map(|row| row.outcome.boundaries()) {
-            let name = on["boundary"].as_str().unwrap_or_default();
-            let components = on["force"].as_array().map_or(0, Vec::len).min(COMPONENTS.len());
-            match boundaries.iter_mut().find(|(other, _)| *other == name) {
-                Some((_, most)) => *most = components.max(*most),
-                None => boundaries.push((name, components)),
-            }
-        }
+        let all = || self.variants.iter().flat_map(|row| row.outcome.boundaries());
+        let components = |name: &str| {
+            let forces = all().filter(|on| on["boundary"] == name).filter_map(|on| on["force"].as_array());
+            forces.map(Vec::len).max().unwrap_or(0).min(COMPONENTS.len())
+        };
+        let names = distinct(all().filter_map(|on| on["boundary"].as_str()));
+        let boundaries: Vec<_> = names.into_iter().map(|name| (name, components(name))).collect();
         let record = |row: &Row| {
             let Row { values, outcome, results } = row;
             let of = |key: &str| (key.to_string(), outcome.values[key].clone());

@@ -196,7 +196,6 @@ fn bad_quantities_are_told_before_anything_runs() {
         ("--table", "status,max:botom.f_x", "did you mean bottom?"),
         ("--table", "largest_force.force", "size:largest_force.force"),
         ("--plot", "status", "is no number; the table of a sweep shows it"),
-        ("--table", "tangential.magnitude", "did you mean holding_force.magnitude"),
         ("--table", "size:peak", "`largest_pressure.pressure` is no vector"),
         ("--table", "max:bottom.f_z", "the scene is plane"),
         ("--table", "boundaries[3].sum_p_t", "the number of boundaries with contact, from 0, is 1"),
@@ -358,6 +357,23 @@ fn slipping_variants_are_drawn() {
     );
 }
 
+/// All nodes slip, all stick, and there is no friction.
+#[test]
+fn the_stick_ratio_is_known_at_its_ends() {
+    let driven = "[[support]]\nboundary = 'top'\nfix = ['x']\ndisplacement = [0.0005]\nhistory = [[1, 0], [2, 1]]";
+    let text = [include_str!("../../../../data/init/block.toml"), driven].join("\n");
+    let (_folder, scene) = Folder::with_scene(&text);
+    let few = ["--set", "mesh.elements=[16,8]", "--set", "time.increments=4", "--json"];
+    let output = stickslip(&[&["sweep", &scene, "--vary", "contact.friction=0.01,2,0"], &few[..]].concat());
+    let ratios: Vec<Value> = json(&output)["variants"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["quantities"]["stick_zone.ratio"].clone())
+        .collect();
+    assert_eq!(ratios, [0.0.into(), 1.0.into(), Value::Null]);
+}
+
 /// A failure is a row of the table, and changes the exit status.
 #[test]
 fn failures_are_rows() {
@@ -393,7 +409,10 @@ fn bad_variations_are_told_before_anything_runs() {
         ("contact.friction=0.2,-0.1", "--vary contact.friction=-0.1: friction is -0.1"),
         ("contact.friction=", "has no value"),
         ("contact.frictn=0.2,0.1", "--vary contact.frictn=0.2: unknown field `frictn`"),
-        ("contact[1].friction=0.1,0.2", "--vary contact[1].friction=0.1: there is no contact[1]"),
+        (
+            "contact[1].friction=0.1,0.2",
+            "--vary contact[1].friction=0.1: the scene has 1 [[contact]], so there is no contact[1]",
+        ),
         ("friction=0.1,0.2", "unknown field `friction`"),
         ("load.traction=0:1:2", "expected a list"),
     ] {

@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn rounding_is_not_drawn() {
         let ends = |low: f64, high: f64| {
-            let ticks = Scale::Linear.ticks([low, high].into_iter(), 0.03, 12.0);
+            let ticks = Scale::Linear.ticks([low, high].into_iter(), 0.0, 12.0);
             (ticks.from, ticks.to)
         };
         assert_eq!(ends(3.999_999_999_999_906e3, 3.999_999_999_999_92e3), (2000.0, 6000.0));

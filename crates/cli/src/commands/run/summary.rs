@@ -219,7 +219,8 @@ fn print_largest(report: &RunReport) {
         };
         tell!("friction     work {}, error of the mesh unknown{of_steps}", energy(friction_work));
     }
-    if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = &report.stick_zone {
+    let partial = report.stick_zone.as_ref().filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0);
+    if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = partial {
         tell!(
             "stick zone   {ratio:.2} ± {} of the contact width on `{boundary}`, at t = {} s",
             units.rounded(Quantity::Number, *uncertainty, 1),
