@@ -332,7 +332,8 @@ impl StickZone {
                 .sum::<f64>()
         };
         let (stick, slip) = (area(false), area(true));
-        let share = stick / (stick + slip);
+        // + 0.0 because the sum of nothing is -0.
+        let share = stick / (stick + slip) + 0.0;
         // Around an axis, as in three dimensions, areas grow with the square of the width.
         let disc =
             model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contact.nodes[i].node));

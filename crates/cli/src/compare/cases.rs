@@ -18,7 +18,7 @@ use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer,
 /// only if nodes slide along lines and friction is constant. It applies the actions at t = 0 in proportion, while the
 /// first increment, however short, applies them at once.
 ///
-/// Between moving obstacles the path follows chords of the gaps; it is the reference there only if `events` is compared.
+/// Where gaps change by motions the path follows chords of these, and is the reference only if `events` is compared.
 fn against_exact_path(model: &Model, paths: &[SolverPath]) -> Option<&'static str> {
     let Model { problem, loading, .. } = model;
     let layout = Layout::new(problem);
