@@ -160,15 +160,14 @@ impl Refinement {
         prepare: &mut dyn FnMut(&Model),
         observer: &mut dyn Observer,
     ) -> Result<&MeshErrors, RunError> {
-        let errors = match self.errors.take() {
-            Some(errors) => errors,
-            None => {
-                let run = Run::prepared(&self.scene, prepare, &mut ())?;
-                if self.bisection.is_none() {
-                    self.bisection = Bisection::new(&run.model().mesh);
-                }
-                MeshErrors::of(&run, &self.scene, observer)?
+        let errors = if let Some(errors) = self.errors.take() {
+            errors
+        } else {
+            let run = Run::prepared(&self.scene, prepare, &mut ())?;
+            if self.bisection.is_none() {
+                self.bisection = Bisection::new(&run.model().mesh);
             }
+            MeshErrors::of(&run, &self.scene, observer)?
         };
         Ok(self.errors.insert(errors))
     }

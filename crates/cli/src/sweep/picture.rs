@@ -64,7 +64,8 @@ impl Sweep {
         let left_out =
             [(self.variants.len(), usable.len(), "that did not converge"), (usable.len(), drawn, "without a value")];
         let left_out = left_out.into_iter().filter(|(of, kept, _)| of > kept);
-        let left_out: String = left_out.map(|(of, kept, why)| format!(", {} {why} left out", of - kept)).collect();
+        let left_out = left_out.map(|(of, kept, why)| format!(", {} {why} left out", of - kept));
+        let left_out = left_out.collect::<Vec<_>>().concat();
         if !slipped.is_empty() {
             let curve = curve(0, "slips: the run ended early".to_string(), slipped);
             curves.insert(0, Curve { line: None, marker: Some(Marker::Square), ..curve });

@@ -217,7 +217,9 @@ impl Sweep {
     fn by_kind<'a>(&'a self, of: impl Fn(&'a Row) -> BTreeSet<&'a str>) -> BTreeMap<&'a str, Vec<&'a Row>> {
         let mut rows: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
         for row in &self.variants {
-            of(row).into_iter().for_each(|kind| rows.entry(kind).or_default().push(row));
+            for kind in of(row) {
+                rows.entry(kind).or_default().push(row);
+            }
         }
         rows
     }
