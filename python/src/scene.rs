@@ -15,6 +15,7 @@ use pyo3::types::{PyBytes, PyDict};
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+use stickslip::base::Depth;
 use stickslip::body::Model;
 use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::run::{Run, Sink, discretise};
@@ -140,6 +141,12 @@ impl SceneModel {
     #[getter]
     fn dimension(&self) -> usize {
         self.model.mesh.dimension
+    }
+
+    /// The thickness of a plane body whose forces are those of the whole body, m; otherwise 1.
+    #[getter]
+    fn thickness(&self) -> f64 {
+        if let Depth::Thickness(thickness) = self.model.units().depth { thickness } else { 1.0 }
     }
 
     #[getter]

@@ -131,8 +131,8 @@ def converge(
     scene, overrides
         See `Model`.
     quantity : str
-        "peak", "force", "friction_work" or "stick_ratio": the largest contact pressure, the largest resultant of a boundary, the friction
-        work, or the width of the stick zone as a share. Or any number as the program's ``sweep --table`` names it, such as "max:top.f_x".
+        "peak", "force", "tangential", "friction_work" or "stick_ratio": the largest contact pressure, the largest resultant of a
+        boundary, the largest tangential force of one, the friction work, or the width of the stick zone as a share. Or any number as the program's ``sweep --table`` names it, such as "max:top.f_x".
     to : float, optional
         The largest relative uncertainty of a known quantity.
     meshes : iterable of int or str, optional

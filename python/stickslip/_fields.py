@@ -211,8 +211,9 @@ class Fields:
         >>> {name: force.shape for name, force in cube.reactions.items()}
         {'top': (10, 3)}
         """
-        dimension = self._model().dimension
-        size = self.report.get("units", {}).get("force", {}).get("si", 1.0)
+        model = self._model()
+        dimension = model.dimension
+        size = self.report.get("units", {}).get("force", {}).get("si", 1.0) / model.thickness
         forces: dict[str, Array] = {}
         for record in self.report.get("reactions", []):
             seen: set[str] = set()

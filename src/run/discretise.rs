@@ -45,6 +45,9 @@ pub fn discretise(scene: &Scene) -> Result<Model, RunError> {
 /// As [`discretise`].
 pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
     has_room(scene.description.mesh.nodes(), Budget::of_process())?;
+    if scene.refine.is_some() {
+        Refinement::new(scene)?;
+    }
     suitable(scene, model_of(scene, None)?)
 }
 
@@ -57,7 +60,7 @@ pub(super) fn for_run(
 ) -> Result<(Model, Vec<CoarserMesh>), RunError> {
     let (mut scene, mut meshes) = (Cow::Borrowed(scene), Vec::new());
     if let Some(wanted) = scene.refine {
-        let mut refinement = Refinement::new(&scene);
+        let mut refinement = Refinement::new(&scene)?;
         refinement.until(wanted, prepare, observer)?;
         let (refined, coarser) = refinement.into_scene();
         (scene, meshes) = (Cow::Owned(refined), coarser);

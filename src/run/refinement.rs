@@ -15,9 +15,9 @@ use serde::Serialize;
 
 use super::{Recording, Run, RunError};
 use crate::base::input_error::InputError;
-use crate::body::ElementEstimate;
 use crate::body::mesh::{Bisection, Mesh, MeshSource};
 use crate::body::model::Model;
+use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
 use crate::solver::history::{IncrementView, Observer};
 use crate::solver::newton::IterationRecord;
@@ -63,10 +63,15 @@ struct MeshErrors {
 
 impl Refinement {
     /// Begins with the mesh of `scene`.
-    pub fn new(scene: &Scene) -> Self {
+    ///
+    /// # Errors
+    /// If the mesh cannot be built, or has other cells than triangles or tetrahedra.
+    pub fn new(scene: &Scene) -> Result<Self, RunError> {
         let mut scene = scene.clone();
         scene.refine = None;
-        Refinement { scene, bisection: None, meshes: Vec::new(), errors: None }
+        let is_possible = Self::is_possible(&*scene.description.mesh.build().map_err(ModelError::from)?);
+        let refinement = Refinement { scene, bisection: None, meshes: Vec::new(), errors: None };
+        if is_possible { Ok(refinement) } else { Err(refinement.other_cells()) }
     }
 
     /// Returns `true` if `mesh` can be refined: it has only triangles, or only tetrahedra.
@@ -99,7 +104,7 @@ impl Refinement {
     /// model and `observer` the iterations on coarser meshes. A history that ends early refines no further.
     ///
     /// # Errors
-    /// If the mesh has other cells than triangles or tetrahedra, if a run on a coarser mesh fails, and if the error does not
+    /// If a run on a coarser mesh fails, and if the error does not
     /// become as small as asked for.
     pub fn until(
         &mut self,
@@ -131,13 +136,17 @@ impl Refinement {
     /// Divides the cells of the present mesh with large errors.
     fn divide(&mut self) -> Result<(), RunError> {
         let (Some(bisection), Some(errors)) = (&mut self.bisection, self.errors.take()) else {
-            let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
-            return Err(self.fault("only meshes of triangles or of tetrahedra refine themselves", help));
+            return Err(self.other_cells());
         };
         bisection.refine(&marked(&errors.squares));
         self.scene.description.mesh = MeshSource::Given(Arc::new(bisection.mesh()));
         self.meshes.push(errors.mesh);
         Ok(())
+    }
+
+    fn other_cells(&self) -> RunError {
+        let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
+        self.fault("only meshes of triangles or of tetrahedra refine themselves", help)
     }
 
     fn fault(&self, message: &str, help: &str) -> RunError {
@@ -151,15 +160,14 @@ impl Refinement {
         prepare: &mut dyn FnMut(&Model),
         observer: &mut dyn Observer,
     ) -> Result<&MeshErrors, RunError> {
-        let errors = match self.errors.take() {
-            Some(errors) => errors,
-            None => {
-                let run = Run::prepared(&self.scene, prepare, &mut ())?;
-                if self.bisection.is_none() {
-                    self.bisection = Bisection::new(&run.model().mesh);
-                }
-                MeshErrors::of(&run, &self.scene, observer)?
+        let errors = if let Some(errors) = self.errors.take() {
+            errors
+        } else {
+            let run = Run::prepared(&self.scene, prepare, &mut ())?;
+            if self.bisection.is_none() {
+                self.bisection = Bisection::new(&run.model().mesh);
             }
+            MeshErrors::of(&run, &self.scene, observer)?
         };
         Ok(self.errors.insert(errors))
     }

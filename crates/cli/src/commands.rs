@@ -5,6 +5,11 @@ macro_rules! say {
     ($($arg:tt)*) => { super::output::line(format_args!($($arg)*)) };
 }
 
+/// Prints a line with a label on standard output, broken to fit a screen.
+macro_rules! tell {
+    ($($arg:tt)*) => { $crate::commands::output::labelled(&format!($($arg)*)) };
+}
+
 mod bug;
 mod check;
 mod collection;
@@ -67,6 +72,18 @@ pub struct Invocation {
 }
 
 impl Invocation {
+    /// Returns the command line as it can be typed in a shell.
+    fn command_line(&self) -> String {
+        // Brackets are special to a shell, too.
+        let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
+        let quoted = |argument: &OsString| match argument.to_string_lossy() {
+            argument if argument.chars().all(plain) => argument.into_owned(),
+            argument => format!("'{}'", argument.replace('\'', r"'\''")),
+        };
+        let arguments = self.arguments.iter().map(quoted);
+        iter::once("stickslip".to_string()).chain(arguments).collect::<Vec<_>>().join(" ")
+    }
+
     /// Returns a process that runs this program again, with no argument yet.
     fn again(&self) -> process::Command {
         let (program, first) = self
@@ -233,7 +250,7 @@ impl Cli {
             Command::Run(args) => run::run(args, threads),
             Command::Check(args) => check::check(args).map(|()| ExitStatus::Success),
             Command::Compare(args) => compare::compare(args, threads, &self.invocation),
-            Command::Converge(args) => converge::converge(args),
+            Command::Converge(args) => converge::converge(args, &self.invocation),
             Command::Sweep(args) => sweep::sweep(args, self),
             Command::Solve(args) => solve::solve_file(args),
             Command::Judge(args) => solve::judge_file(args),
@@ -273,7 +290,7 @@ fn version() -> String {
 
 /// Returns the description of the program for help, completions and manual.
 fn program() -> clap::Command {
-    Cli::command().version(version())
+    Cli::command().version(version()).max_term_width(100)
 }
 
 /// Adds the missing command to the error if a file name was given in place of a command, and what answers the same as an

@@ -152,6 +152,8 @@ pub struct MeshResult {
     pub contacts: usize,
     /// The increments of the reference; 0 for the exact path.
     pub increments: usize,
+    /// The reason why increments are the reference, if they are.
+    pub not_exact: &'static str,
     /// The verdict of the reference.
     pub status: Status,
     /// The CPU time of the reference, s.

@@ -140,8 +140,8 @@ struct Meshes<'a> {
 impl<'a> Meshes<'a> {
     fn new(own: &'a Scene, ladder: &'a Ladder) -> Result<Self, StudyError> {
         let first = own.with(&[ladder.time(0)]).map_err(RunError::from)?;
-        let refined = ladder.refines_itself.then(|| (Refinement::new(&first), 0, 0.0));
-        Ok(Meshes { own, ladder, refined })
+        let refinement = ladder.refines_itself.then(|| Refinement::new(&first)).transpose()?;
+        Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, 0.0)) })
     }
 
     /// Returns the scene on these levels of mesh and increments, and the name of the mesh.
@@ -192,19 +192,17 @@ fn solve(
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
     let report = run.solve(observer)?;
-    let reason = if report.explanation.reason.is_empty() {
-        report.status.to_string()
-    } else {
-        report.explanation.reason.clone()
-    };
-    let failure = match report.status {
-        Status::Converged => None,
-        Status::Interrupted => Some((Verdict::Interrupted, reason)),
-        _ => Some((Verdict::NotConverged, reason)),
-    };
     // Serialising never fails with these types.
     let json = serde_json::to_value(&report).unwrap_or_default();
     let value = sought.of(&json).as_f64();
+    let reason = Some(&report.explanation.reason).filter(|reason| !reason.is_empty());
+    let reason = reason.cloned().unwrap_or_else(|| report.status.to_string());
+    let failure = match report.status {
+        Status::Converged => None,
+        Status::Slips if value.is_some() => None,
+        Status::Interrupted => Some((Verdict::Interrupted, reason)),
+        _ => Some((Verdict::NotConverged, reason)),
+    };
     let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
     // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
     let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());

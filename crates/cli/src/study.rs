@@ -15,7 +15,7 @@ pub use error::StudyError;
 pub use mesh::{ElementChoice, MeshChoice, MeshSize};
 pub(crate) use mesh::{each, first_elements, multiplied};
 pub use places::Places;
-pub(crate) use quantity::KEY_RESULTS;
+pub(crate) use quantity::{IN_TABLES, KEY_RESULTS};
 pub use quantity::{TableQuantity, listed, quantities};
 pub(crate) use record::{Record, csv, number, record};
 

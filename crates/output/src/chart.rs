@@ -119,47 +119,48 @@ impl Chart {
         expect_finite(points().flatten().copied())?;
         let columns = self.columns.max(1);
         let rows = self.panels.len().div_ceil(columns);
-        let width = (WIDTH - LEFT - RIGHT - (columns - 1) as f64 * (BETWEEN + RIGHT)) / columns as f64;
-        let height = width
-            * match (columns, rows) {
-                (1, _) => 0.45,
-                (_, 1) => 0.8,
-                _ => 0.64,
+        let common = |panel: &&Panel| panel.y.is_none();
+        let noted = self.panels.iter().filter(common).any(|panel| !panel.notes.is_empty());
+        let layout = |[left, between]: [f64; 2]| {
+            let width = (WIDTH - left - RIGHT - (columns - 1) as f64 * (between + RIGHT)) / columns as f64;
+            let height = width
+                * match (columns, rows) {
+                    (1, _) => 0.45,
+                    (_, 1) => 0.8,
+                    _ => 0.64,
+                };
+            let all = upwards(&self.y, self.panels.iter().filter(common).flat_map(Panel::points), noted, height);
+            let of = |panel: &Panel| match &panel.y {
+                Some(axis) => (LOW * height, upwards(axis, panel.points(), !panel.notes.is_empty(), LOW * height)),
+                None => (height, all.clone()),
             };
-        let x = self.x.scale.ticks(points().map(|p| p[0]), 0.0, width / 60.0);
-        let common = self.panels.iter().filter(|panel| panel.y.is_none()).flat_map(Panel::points);
-        let noted = self.panels.iter().any(|panel| panel.y.is_none() && !panel.notes.is_empty());
-        let common = upwards(&self.y, common, noted, height);
-        let height_of = |panel: &Panel| if panel.y.is_some() { LOW * height } else { height };
+            (width, self.panels.iter().map(of).collect::<Vec<_>>())
+        };
+        // Long numbers need more room beside their panels.
+        let longest = layout([LEFT, BETWEEN]).1.iter().map(|(_, ticks)| ticks.widest()).fold(0.0, f64::max);
+        let [first, between] = [LEFT.max(longest + 40.0), BETWEEN.max(longest + 12.0)];
+        let (width, panels) = layout([first, between]);
+        let along = |room: f64| self.x.scale.ticks(points().map(|p| p[0]), 0.0, width / room);
+        let x = along(60.0_f64.max(along(60.0).widest() + 14.0));
 
         let legend = self.legend();
         let headings = if self.panels.iter().all(|panel| panel.title.is_empty()) { 8.0 } else { HEADING };
         let top = 66.0 + LEGEND_ROW * legend.len() as f64;
-        let of_row = |row: &[Panel]| headings + row.iter().map(height_of).fold(0.0, f64::max) + BELOW;
-        let pitches: Vec<f64> = self.panels.chunks(columns).map(of_row).collect();
+        let of_row =
+            |row: &[(f64, Ticks)]| headings + row.iter().map(|(height, _)| *height).fold(0.0, f64::max) + BELOW;
+        let pitches: Vec<f64> = panels.chunks(columns).map(of_row).collect();
         let mut svg = Svg::headed(top + pitches.iter().sum::<f64>() + 34.0, &self.title, &self.subtitle);
         for (row, entries) in legend.iter().enumerate() {
             draw_legend(&mut svg, 74.0 + LEGEND_ROW * row as f64, entries);
         }
-        for (k, panel) in self.panels.iter().enumerate() {
+        for (k, (panel, (height, y))) in self.panels.iter().zip(&panels).enumerate() {
             let (row, column) = (k / columns, k % columns);
-            let frame = Frame {
-                left: LEFT + column as f64 * (width + BETWEEN + RIGHT),
-                top: top + pitches[..row].iter().sum::<f64>() + headings,
-                width,
-                height: height_of(panel),
-            };
-            let Frame { left, top, height, .. } = frame;
-            match &panel.y {
-                Some(axis) => {
-                    let own = upwards(axis, panel.points(), !panel.notes.is_empty(), height);
-                    self.draw_panel(&mut svg, frame, panel, &x, (axis.scale, &own));
-                }
-                None => self.draw_panel(&mut svg, frame, panel, &x, (self.y.scale, &common)),
-            }
+            let left = first + column as f64 * (width + between + RIGHT);
+            let top = top + pitches[..row].iter().sum::<f64>() + headings;
+            let axis = panel.y.as_ref().unwrap_or(&self.y);
+            self.draw_panel(&mut svg, Frame { left, top, width, height: *height }, panel, &x, (axis.scale, y));
             if column == 0 || panel.y.is_some() {
-                let label = &panel.y.as_ref().unwrap_or(&self.y).label;
-                svg.text([left - LEFT + 22.0, top + 0.5 * height], label, LABEL_SIZE, Anchor::Upwards);
+                svg.text([left - first + 22.0, top + 0.5 * height], &axis.label, LABEL_SIZE, Anchor::Upwards);
             }
             if k + columns >= self.panels.len() {
                 let below = [left + 0.5 * width, top + height + BELOW + 14.0];
@@ -180,7 +181,8 @@ impl Chart {
             let length = tick.length();
             if let Some(label) = &tick.label {
                 svg.line(&[[at, top], [at, bottom]], THIN, GRID);
-                svg.text([at, bottom + 14.0], label, NUMBER_SIZE, Anchor::Middle);
+                let inside = at.min(WIDTH - 0.5 * text_width(label, NUMBER_SIZE) - 4.0);
+                svg.text([inside, bottom + 14.0], label, NUMBER_SIZE, Anchor::Middle);
             }
             svg.line(&[[at, bottom], [at, bottom - length]], THIN, BLACK);
             svg.line(&[[at, top], [at, top + length]], THIN, BLACK);

@@ -37,12 +37,12 @@ pub use folder::{FileLock, FolderLock, KeptSolver, LockedOutputDir, ResultFolder
 pub use history_chart::history_charts;
 pub use pace::Pace;
 pub use page::error::PageError;
-pub use page::{CHART_SCRIPT, MAX_STATES};
+pub use page::{CHART_SCRIPT, MAX_STATES, filled};
 pub use plot::{contact_stresses, stress_chart};
 pub use pvd::series as pvd_series;
 pub use schema::{run_schema, schema_of};
 pub use svg::{Dash, Line, Marker, PlotError};
-pub use table::{Table, paragraph};
+pub use table::{LABEL, Table, paragraph};
 pub use vtu::{Field, Grid, Values};
 
 #[cfg(test)]

@@ -162,14 +162,19 @@ pub(crate) fn page(names: &[String], read: impl Fn(&str) -> Result<String, PageE
     });
     // Nothing in the data can end its element.
     let data = data.to_string().replace('<', "\\u003c");
-    let [before, rest] = split(include_str!("page/page.html"), "/*STYLE*/");
-    let [middle, rest] = split(rest, "/*DATA*/");
-    let [after, end] = split(rest, "/*SCRIPT*/");
-    Ok([before, include_str!("page/page.css"), middle, &data, after, &SCRIPT.concat(), end].concat())
+    let parts = [("/*STYLE*/", include_str!("page/page.css")), ("/*DATA*/", &data), ("/*SCRIPT*/", &SCRIPT.concat())];
+    Ok(filled(include_str!("page/page.html"), &parts))
 }
 
-fn split<'a>(text: &'a str, mark: &str) -> [&'a str; 2] {
-    text.split_once(mark).map_or([text, ""], |(before, after)| [before, after])
+/// Returns a page with contents in place of marks, in their order. A content is never searched for a mark.
+pub fn filled(mut page: &str, parts: &[(&str, &str)]) -> String {
+    let mut whole = String::new();
+    for (mark, content) in parts {
+        let (before, after) = page.split_once(mark).unwrap_or((page, ""));
+        whole.extend([before, content]);
+        page = after;
+    }
+    whole + page
 }
 
 /// Returns `true` for a table that is neither of a state nor of the increments.

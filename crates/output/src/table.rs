@@ -6,7 +6,7 @@ use std::fmt;
 const SCREEN: usize = 100;
 
 /// The width of the labels before paragraphs.
-const LABEL: usize = 13;
+pub const LABEL: usize = 13;
 
 /// The characters after which a head or a cell may be broken; the last two only if the table is too wide without.
 const BREAKS: [char; 5] = [' ', '.', ':', '_', ','];

@@ -135,7 +135,7 @@ pub(crate) fn head(model: &Model, view: Option<&View>, probes: &[&str]) -> Strin
     let names = || {
         let mut names = json!(UnitNames::of(&units));
         for (key, quantity) in [("area", Quantity::Area), ("energy_per_area", Quantity::EnergyPerArea)] {
-            names[key] = json!({ "name": units.name(quantity), "si": units.to_si(quantity, 1.0) });
+            names[key] = json!({ "name": units.name(quantity) });
         }
         names
     };

@@ -56,7 +56,7 @@ pub struct ContactEstimate {
     /// The ratio, at least 1, of the lengths of the elements inside and beyond the end of the zone, if the zone ends
     /// with the boundary.
     pub edge_ratio: Option<f64>,
-    /// The stick zone when the tangential forces of the surface were largest, if other nodes slip.
+    /// The stick zone when the tangential forces of the surface were largest.
     pub stick: Option<StickZone>,
     /// The Hertz contact for the force, if the obstacle is a cylinder or a sphere and the zone has at most three nodes
     /// across.
@@ -71,7 +71,7 @@ pub struct StickZone {
     pub boundary: String,
     /// The time, s.
     pub time: f64,
-    /// The width of the stick zone as a share of the width of the zone.
+    /// The width of the stick zone as a share of the width of the zone: 1 if all nodes stick, 0 if none does.
     pub ratio: f64,
     /// The typical error of the ratio, a sixth of an element at each end: `1 / (3 n)`, with n the nodes across the zone, or
     /// along it if the whole surface is in contact.
@@ -313,8 +313,8 @@ impl PeakZone {
 }
 
 impl StickZone {
-    /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` if all nodes with friction stick,
-    /// or none does, and in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
+    /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` without friction, and
+    /// in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
     /// ended, rounding decides between stick and slip.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
         let p_n = &state.p_n;
@@ -332,7 +332,8 @@ impl StickZone {
                 .sum::<f64>()
         };
         let (stick, slip) = (area(false), area(true));
-        let share = stick / (stick + slip);
+        // + 0.0 because the sum of nothing is -0.
+        let share = stick / (stick + slip) + 0.0;
         // Around an axis, as in three dimensions, areas grow with the square of the width.
         let disc =
             model.mesh.dimension == 3 || zone.iter().any(|&i| model.mesh.is_on_axis(model.contact.nodes[i].node));
@@ -340,7 +341,7 @@ impl StickZone {
         let along = if model.mesh.dimension == 3 { zone.len().isqrt() } else { zone.len() };
         let n = across.unwrap_or(along);
         let uncertainty = OF_ELEMENT / n as f64;
-        (stick > 0.0 && slip > 0.0 && n > NOTHING).then(|| StickZone {
+        (stick + slip > 0.0 && n > NOTHING).then(|| StickZone {
             boundary: surface.name.clone(),
             time,
             ratio,

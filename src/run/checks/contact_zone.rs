@@ -141,7 +141,8 @@ fn of_edge(contact: &ContactEstimate) -> Option<Warning> {
 /// Warns of a stick zone whose width is hardly known.
 fn of_stick(contact: &ContactEstimate) -> Option<Warning> {
     let n = contact.nodes_across.filter(|n| (FINE..FINE_FOR_STICK).contains(n))?;
-    let StickZone { boundary, time, ratio, .. } = contact.stick.as_ref()?;
+    let partial = |stick: &&StickZone| stick.ratio > 0.0 && stick.ratio < 1.0;
+    let StickZone { boundary, time, ratio, .. } = contact.stick.as_ref().filter(partial)?;
     let at = at(boundary, *time);
     Some(WarningKind::STICK_ZONE_COARSE.warning(format!(
         "{at}: the stick zone, {ratio:.2} of the contact width, lies on {n} nodes across the contact: it may be off by \

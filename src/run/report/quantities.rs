@@ -5,7 +5,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::csv;
-use crate::base::units::{Quantity, UnitSystem};
+use crate::base::units::{Depth, Quantity, UnitSystem};
 
 use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stress, StressEnergyPerArea};
 
@@ -102,11 +102,11 @@ pub struct UnitNames {
     pub length: NamedUnit,
     /// The unit of stresses.
     pub stress: NamedUnit,
-    /// The unit of forces, in two dimensions per depth.
+    /// The unit of forces, in two dimensions per depth unless the body has a thickness.
     pub force: NamedUnit,
-    /// The unit of moments, in two dimensions per depth.
+    /// The unit of moments, likewise.
     pub moment: NamedUnit,
-    /// The unit of energies, in two dimensions per depth.
+    /// The unit of energies, likewise.
     pub energy: NamedUnit,
 }
 
@@ -116,14 +116,17 @@ pub struct UnitNames {
 pub struct NamedUnit {
     /// The name, such as `mm`.
     pub name: String,
-    /// The factor to SI units.
+    /// The factor to the SI unit that the name stands for.
     pub si: f64,
 }
 
 impl UnitNames {
     /// Returns the names of `units`.
     pub fn of(units: &UnitSystem) -> Self {
-        let named = |quantity| NamedUnit { name: units.name(quantity), si: units.to_si(quantity, 1.0) };
+        // The unit of a whole body, however thick it is.
+        let depth = if units.depth == Depth::Unit { Depth::Unit } else { Depth::Whole };
+        let of_name = UnitSystem { depth, ..*units };
+        let named = |quantity| NamedUnit { name: units.name(quantity), si: of_name.to_si(quantity, 1.0) };
         UnitNames {
             length: named(Quantity::Length),
             stress: named(Quantity::Stress),

@@ -76,7 +76,7 @@ pub struct RunReport {
     /// The friction work, if anything slipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionResult>,
-    /// The stick zone, if some nodes stick and others slip, when the tangential forces were largest.
+    /// The stick zone when the tangential forces were largest.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stick_zone: Option<StickZone>,
     /// The load cycle that was asked for, if the history has reached its end.

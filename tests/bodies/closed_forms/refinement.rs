@@ -1,7 +1,7 @@
 //! Meshes that refine themselves: what they cost, and how fast their errors fall.
 
 use crate::common::prelude::*;
-use stickslip::run::RunError;
+use stickslip::run::{RunError, tightening};
 
 /// A cylinder that is pressed into a block and pushed sideways, in partial slip.
 const CYLINDER: &str = r#"
@@ -86,8 +86,14 @@ fn tetrahedra_and_several_bodies_refine_themselves() {
 #[test]
 fn other_cells_and_errors_are_refused() {
     let scene = |overrides: &[&str]| Run::new(&parsed_with(&scene_text(CYLINDER), overrides)).unwrap_err();
-    let RunError::Scene(error) = scene(&["mesh.cells=\"quadrilateral\""]) else { panic!() };
-    assert!(error.to_string().contains("triangles or of tetrahedra refine themselves"), "{error}");
+    // Nothing is solved before, not even where the first mesh would suffice; a model alone is refused, too.
+    for overrides in [&["mesh.cells=\"quadrilateral\""][..], &["mesh.cells=\"quadrilateral\"", "mesh.refine=0.9"]] {
+        let model = tightening(&parsed_with(&scene_text(CYLINDER), overrides)).unwrap_err();
+        for error in [scene(overrides), model] {
+            let RunError::Scene(error) = error else { panic!() };
+            assert!(error.to_string().contains("triangles or of tetrahedra refine themselves"), "{error}");
+        }
+    }
     let scene = Scene::parse("scene.toml", &scene_text(CYLINDER), &["mesh.refine=2".parse().unwrap()]);
     assert!(scene.unwrap_err().to_string().contains("mesh.refine"));
 }

@@ -162,17 +162,9 @@ fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &S
     plan
 }
 
-/// Quotes an argument for a shell, to which brackets are special, too.
-fn quoted(argument: &str) -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./,:=+".contains(c);
-    if argument.chars().all(plain) { argument.to_string() } else { format!("'{}'", argument.replace('\'', r"'\''")) }
-}
-
 /// Returns the files of a comparison, names and contents.
 fn files(comparison: &Comparison, invocation: &Invocation) -> Result<Vec<(String, String)>, Failure> {
-    let command =
-        invocation.arguments.iter().map(|argument| quoted(&argument.to_string_lossy())).collect::<Vec<_>>().join(" ");
-    let mut page = format!("## {}\n\n```sh\nstickslip {command}\n```\n\n", comparison.title);
+    let mut page = format!("## {}\n\n```sh\n{}\n```\n\n", comparison.title, invocation.command_line());
     page.extend(comparison.blas.as_ref().map(|blas| format!("{}.\n\n", blas.with_threads())));
     page.extend(comparison.answers().iter().map(|answer| format!("- {answer}\n")));
     let mut charts = Vec::new();

@@ -10,14 +10,15 @@ use stickslip::body::mesh::MeshSource;
 use stickslip::scene::Scene;
 use stickslip_output::paragraph;
 
-use super::study::{StudyFolder, counted, pretty, print_results};
-use super::{ExitStatus, Failure, SceneArgs, interrupt};
+use super::study::{StudyFolder, changed, counted, pretty, print_results};
+use super::{ExitStatus, Failure, Invocation, SceneArgs, interrupt};
 
 #[derive(Args)]
 pub(super) struct ConvergeArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The quantity: peak (largest contact pressure), force (largest contact force), friction_work, stick_ratio, or any
+    /// The quantity: peak (largest contact pressure), force (largest contact force), tangential (largest tangential force
+    /// of a contact), friction_work, stick_ratio, or any
     /// number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
     sought: TableQuantity,
@@ -47,8 +48,11 @@ pub(super) struct ConvergeArgs {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = text.parse().ok().filter(|share| *share > 0.0 && *share < 1.0);
-    share.ok_or_else(|| "not a number between 0 and 1".to_string())
+    match text.trim_end_matches('%').trim().parse::<f64>() {
+        Ok(share) if share > 0.0 && share < 1.0 && !text.ends_with('%') => Ok(share),
+        Ok(x) if x > 0.0 && x < 100.0 => Err(format!("not a number between 0 and 1; give {} for {x} %", x / 100.0)),
+        _ => Err("not a number between 0 and 1".to_string()),
+    }
 }
 
 fn ratio(text: &str) -> Result<f64, String> {
@@ -63,7 +67,7 @@ const FILES: [&str; 3] = ["converge.csv", "converge.json", "converge.svg"];
 const COLUMNS: &str = "mesh,elements,increments,";
 
 /// Exit status 1: the quantity is not known to the asked share.
-pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
+pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
@@ -83,7 +87,7 @@ pub(super) fn converge(args: &ConvergeArgs) -> Result<ExitStatus, Failure> {
             },
         )?;
     bar.finish_and_clear();
-    let json = pretty(&study.to_json())?;
+    let json = pretty(&changed(study.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
     let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use miette::Diagnostic;
 use serde::Serialize;
 use stickslip::scene::SceneError;
+use stickslip_output::{LABEL, paragraph};
 
 use super::{ExitStatus, Failure};
 
@@ -26,6 +27,14 @@ pub(super) fn line(line: Arguments<'_>) {
             note(&format!("standard output cannot be written: {error}"));
         }
         _ => {}
+    }
+}
+
+/// Prints a line that begins with a label, broken to fit a screen.
+pub(super) fn labelled(text: &str) {
+    match text.split_at_checked(LABEL) {
+        Some((label, rest)) => line(format_args!("{}", paragraph(label, rest).trim_end())),
+        None => line(format_args!("{text}")),
     }
 }
 

@@ -62,7 +62,7 @@ impl Progress {
             format!("{:.4}", r.time),
             r.iterations.to_string(),
             r.backtracks.to_string(),
-            format!("{:.1e}", r.theta),
+            if r.theta.is_nan() { "-".to_string() } else { format!("{:.1e}", r.theta) },
             format!("{:.1e}", r.kkt.worst().1),
             r.contact.open.to_string(),
             r.contact.stick.to_string(),

@@ -3,12 +3,13 @@
 use std::io;
 use std::path::Path;
 
-use super::Failure;
 use super::progress::bar;
 use super::run::write_failure;
+use super::{Failure, SceneArgs};
 use crate::study::StudyError;
 use indicatif::ProgressBar;
 use serde::Serialize;
+use serde_json::Value;
 use stickslip_output::{FolderLock, PlotError, write_file};
 
 impl From<StudyError> for Failure {
@@ -68,6 +69,13 @@ pub(super) fn print_results<N: AsRef<str>, F: IntoIterator<Item = (N, String)>>(
         say!("results      {}", path.display());
     }
     Ok(())
+}
+
+/// Adds the command line of a study and its changes of the scene to its results.
+pub(super) fn changed(mut results: Value, scene: &SceneArgs, command: &str) -> Value {
+    results["command"] = command.into();
+    results["overrides"] = scene.overrides().iter().map(ToString::to_string).collect();
+    results
 }
 
 /// Formats results as one JSON object.

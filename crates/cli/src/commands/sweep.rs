@@ -8,12 +8,13 @@ use std::path::PathBuf;
 use crate::study::{Places, TableQuantity, quantities};
 use crate::sweep::{Row, Sweep, TableQuantities, Variant, VariantResult, Variation, combinations};
 use clap::Args;
+use miette::Diagnostic;
 use stickslip::algebra::parallel_map;
-use stickslip::scene::{Override, Scene};
+use stickslip::scene::{Override, Scene, SceneError};
 
 use super::progress::bar;
 use super::run::{increments, write_failure};
-use super::study::{StudyFolder, pretty, print_results};
+use super::study::{StudyFolder, changed, pretty, print_results};
 use super::{Cli, ExitStatus, Failure, SceneArgs, interrupt, origin, threads};
 use processes::Processes;
 
@@ -118,7 +119,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
             Some(kept.clone())
         } else {
             // The scene may have changed during the sweep. Then the result is not of the scene that was asked for.
-            let same = || one(args, &task.overrides).is_ok_and(|(now, _, _)| now == task.fingerprint);
+            let read = || Ok::<_, Failure>(origin(&Scene::read(&args.scene.scene, &task.overrides)?)?.fingerprint());
+            let same = || read().is_ok_and(|now| now == task.fingerprint);
             bar.set_message(task.values.join(", "));
             let outcome = processes.run(task, same)?;
             bar.inc(1);
@@ -133,9 +135,10 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     };
     let rows = parallel_map(&tasks.iter().zip(stored).collect::<Vec<_>>(), jobs, row);
     bar.finish_and_clear();
+    let rows = rows.map_err(|error: std::io::Error| failed(error))?;
     let sweep =
-        Sweep::new(&first, args.variations.clone(), shown, rows.map_err(|error: std::io::Error| failed(error))?);
-    let json = pretty(&sweep.to_json())?;
+        Sweep { command: cli.invocation.command_line(), ..Sweep::new(&first, args.variations.clone(), shown, rows) };
+    let json = pretty(&changed(sweep.to_json(), &args.scene, &sweep.command))?;
     let mut text = format!("\n{}", sweep.to_text());
     if interrupt::requested() {
         text += "interrupted  repeat the command with the same --out to continue";
@@ -143,7 +146,8 @@ pub(super) fn sweep(args: &SweepArgs, cli: &Cli) -> Result<ExitStatus, Failure> 
     let files = || {
         let chart = sweep.chart();
         let page = sweep.to_html(&chart);
-        Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), sweep.to_text(), chart.to_svg()?, page]))
+        let table = format!("{}\n\n{}", sweep.command, sweep.to_text());
+        Ok(TABLES.into_iter().zip([sweep.to_csv(), json.clone(), table, chart.to_svg()?, page]))
     };
     print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     let outcomes = || sweep.variants.iter().map(|row| &row.outcome);
@@ -166,8 +170,10 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     let increments = args.increments.map(|number| Override::value("time.increments", i64::from(number)));
     let mut places = Places::default();
     let mut task = |variant: Variant| {
+        let given = variant.overrides.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
         let overrides = [args.scene.overrides(), increments.iter().cloned().collect(), variant.overrides].concat();
-        let (fingerprint, text, scene) = one(args, &overrides)?;
+        let scene = Scene::read(&args.scene.scene, &overrides).map_err(|error| varied(&error, &given))?;
+        let (fingerprint, text) = (origin(&scene)?.fingerprint(), scene.text().to_string());
         places.add(&scene.description);
         Ok(Task { values: variant.values, overrides, fingerprint, text })
     };
@@ -175,10 +181,14 @@ fn tasks(args: &SweepArgs) -> Result<(Vec<Task>, Places), Failure> {
     Ok((tasks, places))
 }
 
-/// Returns the fingerprint, the text and the scene with `overrides`.
-fn one(args: &SweepArgs, overrides: &[Override]) -> Result<(String, String, Scene), Failure> {
-    let scene = Scene::read(&args.scene.scene, overrides)?;
-    Ok((origin(&scene)?.fingerprint(), scene.text().to_string(), scene))
+/// Tells why a scene with the `given` changes is impossible. Its lines are not those of the file.
+fn varied(error: &SceneError, given: &str) -> Failure {
+    let text = error.to_string();
+    let message = match text.split_once(" (with --set):").and_then(|(_, rest)| rest.split_once(": ")) {
+        Some((_line, message)) => format!("--vary {given}: {message}"),
+        None => text.replacen("--set ", "--vary ", 1),
+    };
+    Failure::input(message, error.help().map_or(String::new(), |help| help.to_string()))
 }
 
 /// The tables of a sweep.

@@ -6,6 +6,9 @@ use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
 /// The contact force errors for which the fastest run is reported.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
 
+/// Runs whose contact forces are so near to the reference agree.
+const AGREEMENT: f64 = 1e-2;
+
 /// Below this order, the error does not decrease with more increments, and no extrapolation is made.
 const LEAST_ORDER: f64 = 0.25;
 
@@ -104,7 +107,7 @@ impl Comparison {
         if self.elements().len() > 1 {
             return convergence::answers(self);
         }
-        let mut answers = Vec::new();
+        let mut answers: Vec<String> = self.agreement().into_iter().collect();
         for result in &self.meshes {
             answers.extend(TARGETS.iter().map(|&target| self.about_target(&result.mesh, target)));
         }
@@ -119,6 +122,22 @@ impl Comparison {
             ));
         }
         answers
+    }
+
+    /// Tells whether all methods and solvers agree, on the finest mesh with the most increments.
+    fn agreement(&self) -> Option<String> {
+        let MeshResult { mesh, .. } = self.meshes.last()?;
+        let most = self.on(mesh).map(|run| run.increments).max()?;
+        let mut finest = self.on(mesh).filter(|run| run.increments == most);
+        let error = finest.try_fold(self.tolerance, |error, run| Some(error.max(run.errors?.forces)));
+        let verdict = match error {
+            Some(error) if error <= AGREEMENT => {
+                format!("agree: contact forces are within {error:.1e} of the reference")
+            }
+            Some(error) => format!("differ: contact forces are up to {error:.1e} off the reference"),
+            None => "do not agree: not all of them, or not the reference, converged".to_string(),
+        };
+        Some(format!("All runs with {most} increments on {mesh} {verdict}."))
     }
 
     fn about_target(&self, mesh: &MeshChoice, target: f64) -> String {

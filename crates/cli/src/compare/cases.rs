@@ -14,16 +14,23 @@ use stickslip::solver::IterationRecord;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::history::{HistoryMethod, IncrementView, Method, Observer, SolverChoice, Status};
 
-/// Returns `true` if the solution converges to the exact path for increasingly many increments. The exact path is known
+/// Returns why the solution may not converge to the exact path for increasingly many increments. The exact path is known
 /// only if nodes slide along lines and friction is constant. It applies the actions at t = 0 in proportion, while the
 /// first increment, however short, applies them at once.
-fn has_exact_path(model: &Model) -> bool {
+///
+/// Where gaps change by motions the path follows chords of these, and is the reference only if `events` is compared.
+fn against_exact_path(model: &Model, paths: &[SolverPath]) -> Option<&'static str> {
     let Model { problem, loading, .. } = model;
     let layout = Layout::new(problem);
-    let straight = !(0..layout.contacts()).any(|i| layout.slides_in_a_plane(i));
-    let apart = loading.gaps_at(0.0).iter().all(|gap| *gap >= 0.0);
-    let unloaded = loading.cases().iter().all(|case| case.factor(0.0) == 0.0);
-    straight && apart && unloaded && loading.gap_corrections().is_empty() && loading.friction().is_none()
+    let moves = !loading.gap_corrections().is_empty() && !paths.iter().any(|path| path.method.is_exact_path());
+    let reasons = [
+        ((0..layout.contacts()).any(|i| layout.slides_in_a_plane(i)), "nodes slide in a plane"),
+        (loading.gaps_at(0.0).iter().any(|gap| *gap < 0.0), "bodies overlap at t = 0"),
+        (loading.cases().iter().any(|case| case.factor(0.0) != 0.0), "loads act at t = 0"),
+        (loading.friction().is_some(), "friction changes in time"),
+        (moves, "gaps change by motions, and the method events is not compared"),
+    ];
+    reasons.into_iter().find(|(holds, _)| *holds).map(|(_, reason)| reason)
 }
 
 /// A scene on one mesh.
@@ -64,7 +71,9 @@ impl Study {
         let built = [wall.elapsed().as_secs_f64(), thread_cpu_seconds() - cpu];
         let body = Body { scene, model, built, stop };
         let (name, model) = (format!("{mesh}, reference, {reference}"), &body.model);
-        let reference = Solved::stored_or(cells, &name, &model.problem, || body.reference(reference))?;
+        let against = against_exact_path(model, paths);
+        let reference = || body.reference(reference, against.is_none());
+        let reference = Solved::stored_or(cells, &name, &model.problem, reference)?;
         let watch = reference.seen.and_then(|seen| seen.of(model));
         let estimates = watch.unwrap_or_else(|| EstimateWatch::new(model)).estimates(model);
         let result = MeshResult {
@@ -72,6 +81,7 @@ impl Study {
             displacements: model.problem.displacements(),
             contacts: model.problem.contacts(),
             increments: reference.increments,
+            not_exact: against.unwrap_or("the exact path ends early"),
             status: reference.course.status,
             seconds: reference.course.seconds.cpu,
             end: End::new(model, &reference.state, reference.work),
@@ -107,7 +117,7 @@ fn increments_of(number: usize) -> Override {
 
 impl Body {
     /// Solves the exact path; if it is unknown or ends early, solves this number of increments.
-    fn reference(&self, increments: usize) -> Result<Solved, RunError> {
+    fn reference(&self, increments: usize, has_path: bool) -> Result<Solved, RunError> {
         let Body { scene, model, .. } = self;
         let end = scene.time.all().last().copied();
         let by = |method: HistoryMethod, increments| {
@@ -115,7 +125,7 @@ impl Body {
             // The linear solver is the one that suits the sizes.
             self.solve(SolverChoice { method, linear: None, ..scene.solver }, increments, Some(last))
         };
-        if has_exact_path(model) {
+        if has_path {
             let path = by(HistoryMethod::ExactPath, 1)?;
             if path.course.status == Status::Converged {
                 return Ok(Solved { increments: 0, ..path });

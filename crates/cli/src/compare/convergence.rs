@@ -87,7 +87,8 @@ fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option
     let of_kind = |measure: &Measure, k: usize, elements: Option<ElementChoice>| {
         let points = |y: &dyn Fn(&MeshResult) -> Option<f64>| {
             let of_kind = comparison.meshes.iter().filter(|result| result.mesh.elements == elements);
-            let point = |result| Some([x(result)?, y(result).filter(|y| y.is_finite() && *y > 0.0)?]);
+            let y = |result| Some(y(result).filter(|y| y.is_finite() && *y > 0.0)?.max(comparison.tolerance));
+            let point = |result| Some([x(result)?, y(result)?]);
             of_kind.filter_map(point).collect::<Vec<_>>()
         };
         let name = elements.map_or("the scene's elements".to_string(), |elements| elements.to_string());
@@ -105,7 +106,10 @@ fn chart(comparison: &Comparison, label: &str, x: &dyn Fn(&MeshResult) -> Option
     let finest = comparison.meshes.last().map_or(String::new(), |result| result.mesh.to_string());
     Chart {
         title: comparison.title.clone(),
-        subtitle: format!("distance to {finest}; dashed: what a mesh estimates by itself"),
+        subtitle: format!(
+            "distance to {finest}; dashed: what a mesh estimates by itself; below the tolerance, {:.0e}, drawn at it",
+            comparison.tolerance
+        ),
         x: Axis { label: label.into(), scale: Scale::Decades },
         y: Axis { label: "relative error".into(), scale: Scale::Decades },
         columns: 2,

@@ -161,10 +161,10 @@ impl Comparison {
     /// Formats the runs on `meshes`, and what is known of all meshes, as text.
     pub fn to_text(&self, meshes: &[MeshResult]) -> String {
         let of_runs = |result: &MeshResult| {
-            let MeshResult { mesh, displacements, contacts, increments, status, seconds, .. } = result;
+            let MeshResult { mesh, displacements, contacts, increments, not_exact, status, seconds, .. } = result;
             let reference = match increments {
                 0 => "the exact path".to_string(),
-                increments => format!("{increments} increments"),
+                increments => format!("{increments} increments ({not_exact})"),
             };
             format!(
                 "{mesh}: {displacements} displacements, {contacts} contact nodes; reference: {reference}, {status}, \

@@ -3,15 +3,16 @@
 use serde_json::{Value, json};
 
 use super::extrapolation::{Behaviour, ROUNDING};
-use super::steps::{Step, series};
+use super::steps::{Series, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
 use crate::study::{csv, labelled, number, record};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{LargestPressure, SCHEMA_VERSION};
+use stickslip::solver::history::Status;
 use stickslip_output::Table;
 
-/// The digits of values: more than their errors leave.
-const DIGITS: usize = 4;
+/// The digits of values: more than their errors leave, and enough for the changes that are printed.
+const DIGITS: usize = 5;
 
 impl Convergence {
     /// Returns the table of the runs.
@@ -31,7 +32,8 @@ impl Convergence {
                 run.elements.to_string(),
                 run.increments.to_string(),
                 run.value.map_or("-".to_string(), number),
-                self.change(k).map_or("-".to_string(), |change| format!("{:+.2} %", 100.0 * change)),
+                self.change(k)
+                    .map_or("-".to_string(), |change| format!("{:+.2} %", (1e4 * change).round() / 100.0 + 0.0)),
                 format!("{:.2}", run.seconds),
                 remark.to_string(),
             ]);
@@ -195,25 +197,43 @@ impl Convergence {
             lines.push(("uncertainty", format!("± {}: {of_mesh}{of_increments}", percent(total))));
         }
         lines.push(("verdict", self.outcome()));
-        lines.extend(self.own_mesh().map(|(mesh, error)| {
-            let verdict = if error <= self.to { "fine enough" } else { "too coarse" };
-            ("", format!("the scene's own mesh {mesh} is {verdict}: {} off", percent(error)))
+        let own = self.own_mesh();
+        lines.extend(own.as_ref().map(|(mesh, error)| {
+            let verdict = if *error <= self.to { "fine enough" } else { "too coarse" };
+            ("", format!("the scene's own mesh {mesh} is {verdict}: {} off", percent(*error)))
         }));
+        let meshes = self.meshes();
+        // A coarser mesh may be accurate by chance.
+        let enough = meshes.iter().rev().take_while(|(step, error)| step.is_resolved && *error <= self.to).last();
+        let last = meshes.last().map(|(step, _)| step.level);
+        let other = enough.filter(|(step, _)| Some(step.level) != last && !step.is_own_mesh);
+        lines.extend(other.map(|(step, error)| {
+            ("", format!("the coarsest mesh that is fine enough is {}: {} off", step.mesh, percent(*error)))
+        }));
+        let slips = Some(("", format!("the last run ended early: {}", self.last.explanation.reason)));
+        lines.extend(slips.filter(|_| self.last.status == Status::Slips));
         lines.extend(self.last.warnings.iter().map(|warning| ("warning", warning.message.clone())));
         lines
     }
 
-    /// Returns the name and the error of the scene's own mesh, as a share of the extrapolated value.
+    /// Returns the name and the error of the scene's own mesh.
     fn own_mesh(&self) -> Option<(String, f64)> {
+        self.meshes().into_iter().find(|(step, _)| step.is_own_mesh).map(|(step, error)| (step.mesh.clone(), error))
+    }
+
+    /// Returns the meshes with known errors, as shares of the extrapolated value.
+    fn meshes(&self) -> Vec<(&Step, f64)> {
         let trusted = self.has_limit() && self.result.verdict != Verdict::Warned;
-        let limit = self.result.errors.as_ref().filter(|_| trusted)?.mesh?;
-        let series = series(&self.result.steps, true, false);
-        let found = series.steps.iter().zip(&series.values).find(|(k, _)| self.result.steps[**k].is_own_mesh)?;
-        let error = (found.1 / limit.extrapolated - 1.0).abs();
+        let Some(limit) = self.result.errors.as_ref().filter(|_| trusted).and_then(|errors| errors.mesh) else {
+            return Vec::new();
+        };
+        let Series { steps, values, .. } = series(&self.result.steps, true, false);
+        let error = |value: &f64| (value / limit.extrapolated - 1.0).abs();
         // Without a limit the value of the last mesh is the extrapolated one, which says nothing of its error.
-        let is_estimated = matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant)
-            || Some(found.0) != series.steps.last();
-        Some((self.result.steps[*found.0].mesh.clone(), error)).filter(|(_, error)| error.is_finite() && is_estimated)
+        let is_estimated =
+            |k: &usize| matches!(limit.behaviour, Behaviour::Monotone | Behaviour::Constant) || Some(k) != steps.last();
+        let all = steps.iter().zip(&values).filter(|(k, value)| error(value).is_finite() && is_estimated(k));
+        all.map(|(k, value)| (&self.result.steps[*k], error(value))).collect()
     }
 
     /// Returns the name of the quantity with its unit.

@@ -68,6 +68,9 @@ impl FromStr for MeshSize {
         match text.parse() {
             Ok(0) => Err("a mesh has at least one element".to_string()),
             Ok(n) => Ok(MeshSize::Elements(n)),
+            Err(_) if text.starts_with('[') || text.ends_with(']') => {
+                Err("give each mesh by its first number of elements alone, such as 40,80".to_string())
+            }
             Err(_) if text.is_empty() => Err("give a number of elements, or a mesh file".to_string()),
             Err(_) => Ok(MeshSize::File(text.to_string())),
         }

@@ -1,7 +1,7 @@
 //! Quantities of a run, by which studies name what they show or refine for.
 //!
 //! ```text
-//! QUANTITY = WORD                             a key result: peak, force, friction_work, stick_ratio
+//! QUANTITY = WORD                             a key result: peak, force, friction_work, stick_ratio, tangential
 //!          | KEY                              a key of run.json with one value: cycle.regime, boundaries[0].force[1]
 //!          | size:KEY                         the length of a vector: size:largest_force.force
 //!          | max|min|last:[KIND:]PLACE.COLUMN a column of forces.csv over the increments: max:top.f_x, last:load:top.u_y
@@ -30,13 +30,22 @@ pub(crate) struct KeyResult {
     pub head: &'static str,
 }
 
-/// The key results.
-pub(crate) const KEY_RESULTS: [KeyResult; 4] = [
+/// The key results. Tables show the first ones by themselves, [`IN_TABLES`].
+pub(crate) const KEY_RESULTS: [KeyResult; 5] = [
     KeyResult { word: "peak", key: "largest_pressure.pressure", name: "peak pressure", head: "pressure" },
     KeyResult { word: "force", key: "largest_force.magnitude", name: "contact force", head: "force" },
     KeyResult { word: "friction_work", key: "friction.friction_work", name: "friction work", head: "friction work" },
     KeyResult { word: "stick_ratio", key: "stick_zone.ratio", name: "stick ratio", head: "stick ratio" },
+    KeyResult {
+        word: "tangential",
+        key: "holding_force.magnitude",
+        name: "tangential force",
+        head: "tangential force",
+    },
 ];
+
+/// The number of key results that a table shows unless it is asked for others.
+pub(crate) const IN_TABLES: usize = 4;
 
 /// A quantity of a run.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -115,12 +124,12 @@ impl FromStr for TableQuantity {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let known = KEY_RESULTS.iter().find(|result| result.word == text.trim());
-        let text = known.map_or(text.trim(), |result| result.key).to_string();
+        let of_word = |text| KEY_RESULTS.iter().find(|result| result.word == text).map_or(text, |result| result.key);
+        let text = of_word(text.trim()).to_string();
         let source = match text.split_once(':') {
-            None => key(&text)?,
+            None => key(&text, false)?,
             Some((name, rest)) => match FUNCTIONS.into_iter().find(|function| *function == name) {
-                Some("size") => size(rest)?,
+                Some("size") => key(of_word(rest), true)?,
                 Some(function) => column(&text, function, rest)?,
                 None => {
                     let similar = nearest(name, FUNCTIONS.into_iter()).into_iter().map(|name| format!("{name}:{rest}"));
@@ -185,28 +194,22 @@ fn found(text: &str) -> Result<(String, String, Kind), String> {
     Err(format!("`{text}` is {words}no key of a report{}{existing}", meant(&similar)))
 }
 
-fn key(text: &str) -> Result<Source, String> {
+/// Parses a key with one value, or of a vector whose `size` is asked for.
+fn key(text: &str, size: bool) -> Result<Source, String> {
     let (name, pointer, kind) = found(text)?;
-    let values = match kind {
-        Kind::Number | Kind::Word => return Ok(Source::Key { pointer, name, kind }),
-        Kind::Vector => vec![format!("{text}[0]"), format!("{text}[1]"), format!("size:{text}")],
-        Kind::Several => {
+    let values = match (kind, size) {
+        (Kind::Number | Kind::Word, false) | (Kind::Vector, true) => return Ok(Source::Key { pointer, name, kind }),
+        (Kind::Number | Kind::Word, true) => return Err(format!("`{text}` is no vector; leave out size:")),
+        (Kind::Vector, false) => vec![format!("{text}[0]"), format!("{text}[1]"), format!("size:{text}")],
+        (Kind::Several, _) => {
             let list = if keys::kind(&format!("{name}[]")).is_some() { "[0]" } else { "" };
-            let below = keys::children(&name);
-            let values = below.iter().map(|child| format!("{text}{list}.{child}")).collect();
-            if below.is_empty() { vec![format!("{text}{list}")] } else { values }
+            match &keys::children(&name)[..] {
+                [] => vec![format!("{text}{list}")],
+                below => below.iter().map(|child| format!("{text}{list}.{child}")).collect(),
+            }
         }
     };
     Err(format!("`{text}` has several values; give one of them: {}", values.join(", ")))
-}
-
-fn size(text: &str) -> Result<Source, String> {
-    let (name, pointer, kind) = found(text)?;
-    match kind {
-        Kind::Vector => Ok(Source::Key { pointer, name, kind }),
-        Kind::Number | Kind::Word => Err(format!("`{text}` is no vector; leave out size:")),
-        Kind::Several => key(text),
-    }
 }
 
 fn column(text: &str, function: &'static str, rest: &str) -> Result<Source, String> {
@@ -316,12 +319,12 @@ impl TableQuantity {
     pub fn at(&self, places: &Places, drawn: bool) -> Result<Self, String> {
         let (function, acting, place, column) = match &self.source {
             Source::Key { kind: Kind::Word, .. } if drawn => {
-                return Err(format!(
-                    "`{}` is no number and cannot be drawn; show it in the table (--table)",
-                    self.text
-                ));
+                return Err(format!("`{}` is no number; the table of a sweep shows it (sweep --table)", self.text));
             }
-            Source::Key { .. } => return Ok(self.clone()),
+            Source::Key { pointer, .. } => {
+                places.expect(pointer).map_err(|error| format!("`{}`: {error}", self.text))?;
+                return Ok(self.clone());
+            }
             Source::Column { function, acting, place, column } => (*function, *acting, place, *column),
         };
         // A boundary of a body has the name of the body before a colon, which may be that of a kind of force.
@@ -356,6 +359,7 @@ impl TableQuantity {
                 return Err(format!("`{text}`: several forces act at `{place}`; give one of {}", choices.join(", ")));
             }
         };
+        places.expect(column.0).map_err(|error| format!("`{text}`: {error}"))?;
         let source = Source::Column { function, acting: Some(acting), place, column };
         Ok(TableQuantity { text: text.clone(), source })
     }
@@ -397,7 +401,7 @@ fn in_words(key: &str) -> String {
     let with_axis = |child: &str| {
         axes.clone().fold(child.to_string(), |child, (k, axis)| child.replace(&format!("[{k}]"), &format!(" {axis}")))
     };
-    let spelt = |part: &str| part.replace(['_', '.'], " ");
+    let spelt = |part: &str| part.replace("holding_force", "tangential_force").replace(['_', '.'], " ");
     let (parent, child) = key.trim_start_matches("size:").rsplit_once('.').unwrap_or(("", key));
     let (parent, child) = (spelt(parent), spelt(&with_axis(child)));
     let last = |words: &str| words.rsplit(' ').next().unwrap_or_default().to_string();
@@ -514,8 +518,6 @@ mod tests {
             ("max:bottom.f_x", json!(1.0)),
             ("min:bottom.f_x", json!(-3.0)),
             ("last:contact:bottom.m_z", json!(0.25)),
-            ("max:bottom.m_x", Value::Null),
-            ("max:bottom.f_z", Value::Null),
             ("max:bottom.sum_p_n", json!(7.0)),
             // One side of two contacts between bodies.
             ("min:a+b.f_x", json!(-100.0)),
@@ -562,6 +564,7 @@ mod tests {
             ("boundaries[x].force[0]", "is no key of a report"),
             ("", "is no key of a report"),
             ("status[", "is no key of a report"),
+            ("size:peak", "`largest_pressure.pressure` is no vector; leave out size:"),
             ("largest_force.force[0", "is no key of a report"),
             ("largest_pressure", "give one of them: largest_pressure.pressure, "),
             ("largest_force.force", "largest_force.force[0], largest_force.force[1], size:largest_force.force"),
@@ -572,6 +575,10 @@ mod tests {
             ("mean:top.f_x", "`mean` is no function of a quantity; the functions are max:, min: and last:"),
             ("max:top", "is not of the form"),
             ("max:.f_x", "is not of the form"),
+            ("max:bottom.m_x", "the scene is plane"),
+            ("max:bottom.f_z", "the scene is plane"),
+            ("boundaries[0].sum_p_o", "the scene is plane"),
+            ("boundaries[2].sum_p_t", "the number of boundaries with contact, from 0, is 2"),
             ("max:top.fx", "did you mean f_x?"),
             ("max:tpo.f_x", "they are at [0.0, 1.0], a+b, bottom, side, the body, top; did you mean top?"),
             ("max:top.f_x", "give one of max:support:top.f_x, max:load:top.f_x"),
@@ -583,7 +590,7 @@ mod tests {
             assert!(error.contains(words), "{text}: {error}");
         }
         let word: TableQuantity = "cycle.regime".parse().unwrap();
-        assert!(word.at(&places(), true).unwrap_err().contains("cannot be drawn"));
+        assert!(word.at(&places(), true).unwrap_err().contains("is no number"));
     }
 
     #[test]
@@ -591,7 +598,7 @@ mod tests {
         for (text, label) in [
             ("peak", "pressure"),
             ("friction.friction_work", "friction work"),
-            ("holding_force.magnitude", "holding force"),
+            ("holding_force.magnitude", "tangential force"),
             ("size:largest_force.force", "force"),
             ("largest_pressure.mean_pressure", "mean pressure"),
             ("largest_pressure.position[1]", "position y of largest pressure"),

@@ -2,15 +2,15 @@
 
 use super::table::{Row, Sweep};
 use serde_json::json;
-use stickslip_output::{CHART_SCRIPT, Chart, Curve};
+use stickslip_output::{CHART_SCRIPT, Chart, Curve, Marker, filled};
 
 impl Sweep {
     /// Returns the page, which draws the `chart`.
     pub fn to_html(&self, chart: &Chart) -> String {
         let heads = enclosed(&self.heads(), "<th><button>", "</button></th>");
-        let curve = |Curve { label, points, line, colour: [r, g, b], .. }: &Curve| {
+        let curve = |Curve { label, points, line, marker, colour: [r, g, b] }: &Curve| {
             let colour = format!("#{r:02x}{g:02x}{b:02x}");
-            json!({ "name": label, "colour": colour, "points": points, "bare": line.is_none() })
+            json!({ "name": label, "colour": colour, "points": points, "bare": line.is_none(), "hollow": line.is_none() && *marker == Some(Marker::Square) })
         };
         let curves: Vec<_> = chart.panels.iter().flat_map(|panel| &panel.curves).map(curve).collect();
         let data = json!({ "titles": [&chart.x.label, &chart.y.label], "curves": curves }).to_string();
@@ -20,7 +20,7 @@ impl Sweep {
         let converged = self.variants.iter().filter(|row| row.outcome.is_converged()).count();
         let verdict = format!("{} variants, {converged} converged", self.variants.len());
         let class = if converged == self.variants.len() { "good" } else { "bad" };
-        let program = format!("stickslip {} &middot; {}", env!("CARGO_PKG_VERSION"), escaped(&self.scene));
+        let program = format!("stickslip {} &middot; {}", env!("CARGO_PKG_VERSION"), escaped(&self.command));
         let parts = [
             ("/*STYLE*/", include_str!("page/page.css")),
             ("<!--TITLE-->", &escaped(&self.title)),
@@ -33,15 +33,7 @@ impl Sweep {
             ("/*DATA*/", &data.replace('<', "\\u003c")),
             ("/*CHART*/", CHART_SCRIPT),
         ];
-        let (mut page, mut rest) = (String::new(), include_str!("page/page.html"));
-        // A part is never searched for the mark of another.
-        for (mark, content) in parts {
-            let (before, after) = rest.split_once(mark).unwrap_or((rest, ""));
-            page += before;
-            page += content;
-            rest = after;
-        }
-        page + rest
+        filled(include_str!("page/page.html"), &parts)
     }
 
     /// Returns the row of a variant. Its verdict leads to its report.

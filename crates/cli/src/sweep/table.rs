@@ -1,6 +1,6 @@
 //! The table of all variants.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde_json::{Value, json};
 use stickslip::base::{Quantity, UnitSystem};
@@ -10,7 +10,7 @@ use stickslip_output::{Table, paragraph};
 
 use super::outcome::VariantResult;
 use super::variation::Variation;
-use crate::study::{KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number, scene_words};
+use crate::study::{IN_TABLES, KEY_RESULTS, Record, TableQuantity, csv, distinct, labelled, number, scene_words};
 
 /// All variants of a scene with their results.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct Sweep {
     pub title: String,
     /// The scene file.
     pub scene: String,
+    /// The command that made it.
+    pub command: String,
     /// The units of the results, as in the reports of the runs.
     pub units: UnitSystem,
     /// The varied keys.
@@ -54,7 +56,7 @@ pub struct TableQuantities {
 impl TableQuantities {
     /// Returns all quantities of table and chart, each once.
     pub fn all(&self) -> Vec<TableQuantity> {
-        let key_results = || KEY_RESULTS.iter().filter_map(|result| result.key.parse().ok()).collect();
+        let key_results = || KEY_RESULTS[..IN_TABLES].iter().filter_map(|result| result.key.parse().ok()).collect();
         distinct(self.table.clone().unwrap_or_else(key_results).into_iter().chain(self.plot.clone()))
     }
 }
@@ -85,6 +87,7 @@ impl Sweep {
         Sweep {
             title: scene.title.clone(),
             scene: scene.file().to_string(),
+            command: String::new(),
             units: scene.description.system(dimension.unwrap_or(3)),
             varied,
             shown: all,
@@ -130,15 +133,13 @@ impl Sweep {
     /// Formats the table as comma-separated values, in the units of the sweep. The quantities come last.
     pub fn to_csv(&self) -> String {
         // The names of the boundaries with contact in any variant, each with the number of components of its force.
-        let mut boundaries: Vec<(&str, usize)> = Vec::new();
-        for on in self.variants.iter().flat_map(|row| row.outcome.boundaries()) {
-            let name = on["boundary"].as_str().unwrap_or_default();
-            let components = on["force"].as_array().map_or(0, Vec::len).min(COMPONENTS.len());
-            match boundaries.iter_mut().find(|(other, _)| *other == name) {
-                Some((_, most)) => *most = components.max(*most),
-                None => boundaries.push((name, components)),
-            }
-        }
+        let all = || self.variants.iter().flat_map(|row| row.outcome.boundaries());
+        let components = |name: &str| {
+            let forces = all().filter(|on| on["boundary"] == name).filter_map(|on| on["force"].as_array());
+            forces.map(Vec::len).max().unwrap_or(0).min(COMPONENTS.len())
+        };
+        let names = distinct(all().filter_map(|on| on["boundary"].as_str()));
+        let boundaries: Vec<_> = names.into_iter().map(|name| (name, components(name))).collect();
         let record = |row: &Row| {
             let Row { values, outcome, results } = row;
             let of = |key: &str| (key.to_string(), outcome.values[key].clone());
@@ -207,17 +208,20 @@ impl Sweep {
         values.iter().cloned().chain(run).chain(shown).chain([warnings]).collect()
     }
 
-    /// Returns each kind of warning with its first message in each variant that has it.
-    fn warned(&self) -> BTreeMap<&str, Vec<&str>> {
-        let mut warned: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    /// Returns each kind of warning with the variants that have it.
+    fn warned(&self) -> BTreeMap<&str, Vec<&Row>> {
+        self.by_kind(|row| row.outcome.warnings.iter().map(|(kind, _)| kind.as_str()).collect())
+    }
+
+    /// Returns the variants of each of the kinds that `of` a variant.
+    fn by_kind<'a>(&'a self, of: impl Fn(&'a Row) -> BTreeSet<&'a str>) -> BTreeMap<&'a str, Vec<&'a Row>> {
+        let mut rows: BTreeMap<&str, Vec<&Row>> = BTreeMap::new();
         for row in &self.variants {
-            let first: BTreeMap<&str, &str> =
-                row.outcome.warnings.iter().rev().map(|(kind, message)| (&**kind, &**message)).collect();
-            for (kind, message) in first {
-                warned.entry(kind).or_default().push(message);
+            for kind in of(row) {
+                rows.entry(kind).or_default().push(row);
             }
         }
-        warned
+        rows
     }
 
     /// Returns, each with a label, the reasons why variants ended early, the first warning of each kind with its cure,
@@ -227,11 +231,18 @@ impl Sweep {
             let pairs = self.varied.iter().zip(&row.values).map(|(varied, value)| format!("{}={value}", varied.key));
             pairs.collect::<Vec<_>>().join(", ")
         };
-        let early = self.variants.iter().filter(|row| !row.outcome.reason().is_empty());
-        let early = early.map(|row| ("ended early".to_string(), format!("{}: {}", name(row), row.outcome.reason())));
-        let warned = self.warned().into_iter().zip(LETTERS.chars()).map(|((kind, messages), letter)| {
-            let of = format!("{} of {} variants", messages.len(), self.variants.len());
-            (format!("warning {letter}"), format!("{kind}, {of}, in the first: {}", messages[0]))
+        let of = |kind: &str, rows: &[&Row]| format!("{kind}, {} of {} variants", rows.len(), self.variants.len());
+        let early = self.by_kind(|Row { outcome, .. }| {
+            Some(outcome.status.as_str()).filter(|_| !outcome.reason().is_empty()).into_iter().collect()
+        });
+        let early = early.into_iter().map(|(status, rows)| {
+            let first = format!("{}: {}", name(rows[0]), rows[0].outcome.reason());
+            ("ended early".to_string(), format!("{}, the first {first}", of(status, &rows)))
+        });
+        let warned = self.warned().into_iter().zip(LETTERS.chars()).map(|((kind, rows), letter)| {
+            let first = rows[0].outcome.warnings.iter().find(|(other, _)| other == kind);
+            let message = first.map_or("", |(_, message)| message);
+            (format!("warning {letter}"), format!("{}, in the first: {message}", of(kind, &rows)))
         });
         let reported: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.scene_text.is_some()).collect();
         let is_missing = |quantity: &&TableQuantity| {
@@ -240,7 +251,11 @@ impl Sweep {
         let missing = self.shown.iter().filter(is_missing);
         let missing =
             missing.map(|quantity| ("no value".to_string(), format!("{}: no variant has a value", quantity.text())));
-        early.chain(warned).chain(missing).collect()
+        let chart = self.chart();
+        let is_empty = chart.panels.iter().flat_map(|panel| &panel.curves).all(|curve| curve.points.is_empty());
+        let empty =
+            is_empty.then(|| ("chart".to_string(), format!("no point of {}: {}", chart.y.label, chart.subtitle)));
+        early.chain(warned).chain(missing).chain(empty).collect()
     }
 
     /// Returns the value of a quantity in its unit in the text table; `None` if it is no number.

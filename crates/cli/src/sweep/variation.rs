@@ -43,9 +43,12 @@ impl FromStr for Variation {
         let (key, given) = (key.trim().to_string(), given.trim_start_matches('=').trim());
         let values = range(given)?.unwrap_or_else(|| listed(given));
         if values.len() < 2 {
-            return Err(format!(
-                "{key} has one value only; give several, a,b,c, or a range from:to:count, or use --set"
-            ));
+            let many = "give several, a,b,c, or a range from:to:count";
+            return Err(match &values.concat()[..] {
+                "" | "[]" => format!("{key} has no value; {many}"),
+                one if one.contains(';') => format!("{key} has one value only: commas separate values; {many}"),
+                _ => format!("{key} has one value only; {many}, or use --set"),
+            });
         }
         let mut values_so_far = HashSet::new();
         if let Some(value) = values.iter().find(|value| !values_so_far.insert(Value::of(value))) {
@@ -187,7 +190,9 @@ mod tests {
             ("contact.friction", "is not of the form key=value"),
             ("=1,2", "is not of the form"),
             ("contact.friction=0.4", "has one value only"),
-            ("contact.friction=", "has one value only"),
+            ("contact.friction=", "has no value; give several"),
+            ("contact.friction=[]", "has no value; give several"),
+            ("contact.friction=0.1;0.2", "commas separate values"),
             ("contact.friction=0.4,0.2,0.4", "has the value 0.4 twice"),
             ("contact.friction=0.1,0.2,1e-1", "has the value 1e-1 twice"),
             ("contact.friction=0,-0", "has the value -0 twice"),

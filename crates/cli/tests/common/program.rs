@@ -74,6 +74,21 @@ pub fn flat(output: &Output) -> String {
     stdout(output).split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// Returns what a command printed, with the lines that were broken to fit a screen in one.
+pub fn unbroken(output: &Output) -> String {
+    let (mut whole, mut length) = (String::new(), 0);
+    for line in stdout(output).lines() {
+        let rest = line.strip_prefix("             ");
+        let word = rest.and_then(|rest| rest.split(' ').next()).map_or(0, |word| word.chars().count());
+        match rest.filter(|_| length + 1 + word > 100) {
+            Some(rest) => whole += &[" ", rest].concat(),
+            None => whole += &["\n", line].concat(),
+        }
+        length = line.chars().count();
+    }
+    whole[1.min(whole.len())..].to_string() + "\n"
+}
+
 /// Sends a signal, such as `INT`, by the shell, because the smallest Debian has no program `kill`.
 pub fn send(signal: &str, process: u32) {
     assert!(Command::new("sh").args(["-c", &format!("kill -{signal} {process}")]).status().unwrap().success());

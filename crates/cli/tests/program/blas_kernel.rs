@@ -10,7 +10,7 @@ use serde_json::Value;
 use stickslip::algebra::linear::process::Blas;
 
 use crate::common::skipped;
-use crate::program::{Folder, assert_exit, json, small, stdout};
+use crate::program::{Folder, assert_exit, json, small, stdout, unbroken};
 
 /// Returns the kernel that OpenBLAS should use here. `None`, and the test prints that it is skipped, if there are no
 /// kernels to choose among.
@@ -77,7 +77,7 @@ fn a_kernel_that_the_user_chose_stays_and_is_told() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_stickslip"));
     let output = command.args(["run", &scene]).env("OPENBLAS_CORETYPE", "prescott").output().unwrap();
     let cure = format!("set OPENBLAS_CORETYPE={} in", best.to_ascii_uppercase());
-    let words = stdout(&output);
+    let words = unbroken(&output);
     assert!(words.contains("with the kernel Prescott") && words.contains(&cure), "{words}");
 }
 

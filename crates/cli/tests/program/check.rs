@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::common::edit;
-use crate::program::{Folder, assert_exit, small, stdout, stickslip, without};
+use crate::program::{Folder, assert_exit, small, stickslip, unbroken, without};
 
 #[test]
 fn check_explains_without_solving() {
@@ -27,7 +27,7 @@ fn check_explains_without_solving() {
         "held         by its supports",
         "theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent",
     ] {
-        assert!(stdout(&output).contains(words), "`{words}` is not in:\n{}", stdout(&output));
+        assert!(unbroken(&output).contains(words), "`{words}` is not in:\n{}", unbroken(&output));
     }
     assert_eq!(folder.names(""), ["scene.toml"]);
 }
@@ -39,7 +39,7 @@ fn check_names_nodal_volumes() {
     let output = |cells: &str, element: &str| {
         let text = edit(&text, "elements =", &format!("cells = \"{cells}\"\nelement = \"{element}\"\nelements ="));
         let (_folder, scene) = Folder::with_scene(&text);
-        stdout(&stickslip(&["check", &scene])).to_string()
+        unbroken(&stickslip(&["check", &scene]))
     };
     let (plain, averaged) = (output("triangle", "bilinear"), output("triangle", "nodal-volume"));
     assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
@@ -63,7 +63,7 @@ fn check_tells_every_obstacle() {
         let (_folder, scene) = Folder::with_scene(&text);
         let output = stickslip(&["check", &scene]);
         assert_exit(&output, 0);
-        stdout(&output).to_string()
+        unbroken(&output)
     };
     let rollers = "obstacle = [{ kind = \"cylinder\", radius = 0.2, apex = [0.5, -1e-5], approach = [[0, 0], [1, 1e-5]] }, \
                    { kind = \"bore\", radius = 90.0, apex = [1.0, -0.02], direction = \"nearest\" }]";
@@ -92,7 +92,7 @@ fn check_tells_histories() {
         let (_folder, scene) = Folder::with_scene(text);
         let output = stickslip(&["check", &scene]);
         assert_exit(&output, 0);
-        stdout(&output).to_string()
+        unbroken(&output)
     };
     let output = check(&text);
     let words = "moves in by 0 m at 0 s, 10 µm at 1 s, 0 m at 2 s, \
@@ -125,7 +125,7 @@ fn check_tells_the_size_of_a_mesh_file() {
         let (_folder, scene) = Folder::with_scene(&[&text[..at], &table, &text[at..]].concat());
         let output = stickslip(&["check", &scene]);
         assert_exit(&output, 0);
-        assert!(stdout(&output).contains(size), "{}", stdout(&output));
+        assert!(unbroken(&output).contains(size), "{}", unbroken(&output));
     }
 }
 
@@ -137,7 +137,7 @@ fn friction_beyond_what_surfaces_have_is_questioned() {
         ["check", "run"].map(|command| {
             let output = stickslip(&[command, &scene]);
             assert_exit(&output, 0);
-            stdout(&output).contains(
+            unbroken(&output).contains(
                 "warning      large-friction: the friction of `bottom` is up to 40, but few surfaces exceed 2: is it in percent?",
             )
         })
@@ -168,6 +168,6 @@ fn check_tells_what_was_changed_in_a_mesh_file() {
         "\n             1 node is left out: no element of the body has it\n",
         "\n             the mesh lies in the x-z plane of its file: x is x here, z is y\n",
     ] {
-        assert!(stdout(&output).contains(words), "{}", stdout(&output));
+        assert!(unbroken(&output).contains(words), "{}", unbroken(&output));
     }
 }

@@ -7,7 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::edit;
-use crate::program::{Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, without};
+use crate::program::{
+    Folder, assert_exit, count, csv, json, number, report, small, stdout, stickslip, unbroken, without,
+};
 use serde_json::Value;
 
 /// The verdict is last, before the place of the results; with --quiet little else is printed.
@@ -26,7 +28,8 @@ fn the_verdict_is_where_the_eye_is() {
         assert!(lines.iter().any(|line| line.starts_with("pressure     ") && line.contains("MPa at most, ")));
     }
     // The title and warnings, then few lines.
-    let (head, results) = stdout(&quiet).split_once("\n\n").unwrap();
+    let text = unbroken(&quiet);
+    let (head, results) = text.split_once("\n\n").unwrap();
     assert!(
         head.lines().skip(1).all(|line| line.starts_with("warning ") || line.starts_with("             ")),
         "{head}"
@@ -331,7 +334,8 @@ fn the_uniqueness_is_told_where_it_is_asked_for() {
     let output = stickslip(&args);
     assert_exit(&output, 0);
     let start = "uniqueness   rates are unique up to ";
-    let line = stdout(&output).lines().find(|line| line.starts_with(start)).unwrap();
+    let text = unbroken(&output);
+    let line = text.lines().find(|line| line.starts_with(start)).unwrap();
     assert!(line.contains(" times this friction for the present contact statuses (mu "), "{line}");
 
     let out = folder.join("out");

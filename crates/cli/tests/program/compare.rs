@@ -269,6 +269,7 @@ pub fn mesh(n: usize) -> MeshResult {
         displacements: n * n,
         contacts: n,
         increments: 1000,
+        not_exact: "",
         status: Status::Converged,
         seconds: 1.0,
         end: end(&[1.0], &[0.0], 0.0),

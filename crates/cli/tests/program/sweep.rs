@@ -39,6 +39,8 @@ fn every_combination_is_a_row_and_a_folder() {
     let values: Vec<String> = rows.iter().map(|row| row["values"].to_string()).collect();
     assert_eq!(values[..3], ["[0.2,2.0]", "[0.2,4.0]", "[0.4,2.0]"]);
     assert_eq!(rows.len(), 6);
+    assert_eq!(table["overrides"], serde_json::json!(["solver.setting=default"]));
+    assert!(table["command"].as_str().unwrap().starts_with("stickslip sweep "));
 
     // Each result agrees with that of a single run to the last bit.
     let run = stickslip(&[
@@ -152,10 +154,10 @@ fn key_results_are_shown() {
     };
     assert!(heads("contact.friction=0.2,0.4").contains("J/m"));
     assert!(!heads("contact.friction=50,60").contains("J/m"));
-    // A quantity that no run has is reported.
-    let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.2,0.4", "--table", "max:bottom.f_z"]);
+    // A quantity that no run has is reported, and so is its empty chart.
+    let output = stickslip(&["sweep", &scene, "--vary", "contact.friction=0.2,0.4", "--plot", "slip.force"]);
     assert_exit(&output, 0);
-    assert!(stdout(&output).contains("max:bottom.f_z: no variant has a value"), "{}", stdout(&output));
+    assert!(flat(&output).contains("slip.force: no variant has a value chart no point of force of slip [N/m]:"));
     drop(folder);
 }
 
@@ -193,7 +195,10 @@ fn bad_quantities_are_told_before_anything_runs() {
         ("--table", "friction.work", "the keys of friction are friction_work, time_error"),
         ("--table", "status,max:botom.f_x", "did you mean bottom?"),
         ("--table", "largest_force.force", "size:largest_force.force"),
-        ("--plot", "status", "is no number and cannot be drawn"),
+        ("--plot", "status", "is no number; the table of a sweep shows it"),
+        ("--table", "size:peak", "`largest_pressure.pressure` is no vector"),
+        ("--table", "max:bottom.f_z", "the scene is plane"),
+        ("--table", "boundaries[3].sum_p_t", "the number of boundaries with contact, from 0, is 1"),
         ("--plot", "max:bottom.fx", "did you mean f_x?"),
         ("--plot", "max:left.sum_p_n", "a support has no column `sum_p_n`"),
     ] {
@@ -326,6 +331,49 @@ fn what_is_done_is_kept() {
     known(&["--vary", meshes, "--vary", "contact.friction=0.1,0.2"], 2, 4);
 }
 
+/// Bodies that slip as a whole have points, with a mark, as far as they have the quantity.
+#[test]
+fn slipping_variants_are_drawn() {
+    let (folder, scene) = Folder::with_scene(include_str!("../../../../data/init/block.toml"));
+    let few = ["--set", "mesh.elements=[8,4]", "--set", "time.increments=4", "--plot", "slip.force"];
+    let output = stickslip(&sweep(
+        &scene,
+        &folder.join("out"),
+        &[&few[..], &["--vary", "contact.friction=0.1,0.2,0.6"]].concat(),
+    ));
+    assert_exit(&output, 1);
+    assert!(flat(&output).contains("ended early slips, 2 of 3 variants, the first contact.friction=0.1:"));
+    let svg = fs::read_to_string(folder.0.join("out/sweep.svg")).unwrap();
+    for text in ["2 variants, 1 without a value left out", "slips: the run ended early"] {
+        assert!(svg.lines().any(|line| line == text), "{text}");
+    }
+    let few = ["--set", "mesh.elements=[8,4]", "--set", "contact.friction=0.2", "--meshes", "4,8,16"];
+    let output = stickslip(&[&["converge", &scene, "--for", "slip.force"], &few[..]].concat());
+    assert_exit(&output, 0);
+    assert!(
+        flat(&output).contains("the force of slip is 2.0000 kN/m") && !stdout(&output).contains("-0.00"),
+        "{}",
+        stdout(&output)
+    );
+}
+
+/// All nodes slip, all stick, and there is no friction.
+#[test]
+fn the_stick_ratio_is_known_at_its_ends() {
+    let driven = "[[support]]\nboundary = 'top'\nfix = ['x']\ndisplacement = [0.0005]\nhistory = [[1, 0], [2, 1]]";
+    let text = [include_str!("../../../../data/init/block.toml"), driven].join("\n");
+    let (_folder, scene) = Folder::with_scene(&text);
+    let few = ["--set", "mesh.elements=[16,8]", "--set", "time.increments=4", "--json"];
+    let output = stickslip(&[&["sweep", &scene, "--vary", "contact.friction=0.01,2,0"], &few[..]].concat());
+    let ratios: Vec<Value> = json(&output)["variants"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|row| row["quantities"]["stick_zone.ratio"].clone())
+        .collect();
+    assert_eq!(serde_json::json!(ratios).to_string(), "[0.0,1.0,null]");
+}
+
 /// A failure is a row of the table, and changes the exit status.
 #[test]
 fn failures_are_rows() {
@@ -341,7 +389,8 @@ fn failures_are_rows() {
     assert_eq!(statuses[1..], ["converged", "bad-input", "bad-input"]);
     assert_ne!(statuses[0], "converged");
     assert!(flat(&output).contains("the mesh has no boundary `nowhere`; the mesh has the boundaries"));
-    assert!(flat(&output).contains("support.boundary=left, solver.tolerance=1e-30: increment 1"));
+    assert!(flat(&output).contains(", 1 of 4 variants, the first support.boundary=left, solver.tolerance=1e-30: incr"));
+    assert!(flat(&output).contains("bad-input, 2 of 4 variants, the first support.boundary=nowhere,"));
     // A verdict is kept, whatever it is. A scene that cannot be discretised has none.
     assert_eq!(results(&folder).0.len(), 2);
     let again = stickslip(&arguments);
@@ -357,8 +406,13 @@ fn bad_variations_are_told_before_anything_runs() {
         ("contact.friction=0.3", "has one value only"),
         ("contact.friction=0.3,0.3", "has the value 0.3 twice"),
         ("contact.friction=0.1:0.2:0", "is no range"),
-        ("contact.friction=0.2,-0.1", "scene.toml (with --set):22: friction is -0.1"),
-        ("contact[1].friction=0.1,0.2", "there is no contact[1]"),
+        ("contact.friction=0.2,-0.1", "--vary contact.friction=-0.1: friction is -0.1"),
+        ("contact.friction=", "has no value"),
+        ("contact.frictn=0.2,0.1", "--vary contact.frictn=0.2: unknown field `frictn`"),
+        (
+            "contact[1].friction=0.1,0.2",
+            "--vary contact[1].friction=0.1: the scene has 1 [[contact]], so there is no contact[1]",
+        ),
         ("friction=0.1,0.2", "unknown field `friction`"),
         ("load.traction=0:1:2", "expected a list"),
     ] {

@@ -1,5 +1,7 @@
 //! The numbers along an axis.
 
+use crate::svg::{NUMBER_SIZE, text_width};
+
 /// The scale of an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Scale {
@@ -38,6 +40,12 @@ impl Ticks {
     pub(crate) fn share(&self, value: f64) -> f64 {
         (value - self.from) / (self.to - self.from)
     }
+
+    /// Returns the width of the longest number, px.
+    pub(crate) fn widest(&self) -> f64 {
+        let labels = self.all.iter().filter_map(|tick| tick.label.as_ref());
+        labels.map(|label| text_width(label, NUMBER_SIZE)).fold(0.0, f64::max)
+    }
 }
 
 impl Scale {
@@ -55,14 +63,16 @@ impl Scale {
         let places = values.filter_map(|value| self.map(value)).filter(|place| place.is_finite());
         let places = places.map(|place| if place.abs() < 1.0 / FAR { 0.0 } else { place.clamp(-FAR, FAR) });
         let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
-        let (low, high) = if low < high {
-            (low, high)
-        } else if low == high {
-            let room = if low == 0.0 { 1.0 } else { 0.5 * low.abs() };
-            (low - room, high + room)
-        } else {
-            (0.0, 1.0)
+        let size = low.abs().max(high.abs());
+        let least = match (self, low <= high) {
+            (_, false) => return self.ticks([0.0, 1.0].into_iter(), margin, most),
+            (Scale::Decades, _) => 0.02,
+            _ if size == 0.0 => 2.0,
+            _ if high - low <= NOISE * size => size,
+            _ => FINEST * most.max(1.0) * size,
         };
+        let room = (0.5 * (least - (high - low))).max(0.0);
+        let (low, high) = (low - room, high + room);
         match self {
             Scale::Linear => linear(low, high, margin, most),
             Scale::Integers => integers(low, high, most),
@@ -74,6 +84,12 @@ impl Scale {
 /// The ends of an axis are at most this far from zero, and its steps at least the reciprocal apart, so that their
 /// quotients are finite.
 const FAR: f64 = 1e280;
+
+/// Values whose range is a smaller share of them differ by rounding only: they are drawn as a constant.
+const NOISE: f64 = 1e-9;
+
+/// The distance of labels is at least this share of the values, so that labels have at most six digits.
+const FINEST: f64 = 1e-5;
 
 /// An end of the axis moves to a labelled tick if the distance is less than this share of the axis.
 const NEAR: f64 = 0.05;
@@ -102,21 +118,20 @@ fn integers(low: f64, high: f64, most: f64) -> Ticks {
     if high - low > TICKS_OF_LABEL * most {
         return linear(low, high, 0.0, most);
     }
-    let step = step(high - low, most).0.max(1.0);
-    let (step, first, last) = (step as i64, low as i64, high as i64);
-    let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| number(k, 1.0)) };
-    Ticks { from: low - 0.5, to: high + 0.5, all: (first..=last).map(tick).collect() }
+    whole(low, high, 0.5, most, |k| number(k, 1.0))
 }
 
 fn decades(low: f64, high: f64, margin: f64, most: f64) -> Ticks {
     let room = margin * (high - low);
-    let (from, to) = ((low - room).floor(), (high + room).ceil());
-    let step = step(to - from, most).0.max(1.0) as i64;
-    let tick = |k: i64| Tick {
-        value: k as f64,
-        label: (k % step == 0).then(|| format!("10{}", k.to_string().chars().map(superscript).collect::<String>())),
-    };
-    Ticks { from, to, all: (from as i64..=to as i64).map(tick).collect() }
+    let power = |k: i64| format!("10{}", k.to_string().chars().map(superscript).collect::<String>());
+    whole((low - room).floor(), (high + room).ceil(), 0.0, most, power)
+}
+
+/// Returns ticks at whole numbers, and the ends of the axis `beside` the first and the last.
+fn whole(low: f64, high: f64, beside: f64, most: f64, label: impl Fn(i64) -> String) -> Ticks {
+    let step = step(high - low, most).0.max(1.0) as i64;
+    let tick = |k: i64| Tick { value: k as f64, label: (k % step == 0).then(|| label(k)) };
+    Ticks { from: low - beside, to: high + beside, all: (low as i64..=high as i64).map(tick).collect() }
 }
 
 /// Returns the step (1, 2 or 5 times a power of ten) that divides `span` into at most about `most` parts, and the
@@ -188,6 +203,22 @@ mod tests {
                 let slack = 1e-6 * (ticks.to - ticks.from);
                 assert!(ticks.from <= low + slack && high <= ticks.to + slack, "{low} {high}: {ticks:?}");
                 assert!(ticks.all.iter().all(|tick| (-1e-9..=1.0 + 1e-9).contains(&ticks.share(tick.value))));
+            }
+        }
+    }
+
+    #[test]
+    fn rounding_is_not_drawn() {
+        let ends = |low: f64, high: f64| {
+            let ticks = Scale::Linear.ticks([low, high].into_iter(), 0.0, 12.0);
+            (ticks.from, ticks.to)
+        };
+        assert_eq!(ends(3.999_999_999_999_906e3, 3.999_999_999_999_92e3), (2000.0, 6000.0));
+        assert_eq!(ends(-4.0, -4.0 + 1e-12), (-6.0, -2.0));
+        for (low, high) in [(1.0, 1.0 + 1e-8), (123_456.0, 123_456.1), (-9.87e-7, -9.869_999e-7)] {
+            for label in labels(Scale::Linear, &[low, high], 12.0) {
+                let digits = label.split('e').next().unwrap_or_default().chars().filter(char::is_ascii_digit);
+                assert!(digits.count() <= 7, "{low} {high}: {label}");
             }
         }
     }

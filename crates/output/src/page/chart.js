@@ -1,4 +1,4 @@
-// A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point; `arrows` in the direction of time; `ends`, its
+// A chart of curves { name, colour, points } with: `marks`, a colour or nothing for each point, `hollow` rings or discs; `arrows` in the direction of time; `ends`, its
 // first and last point; `wide`, or `bare` without the curve itself. A drag zooms, and a double click or double tap shows all again.
 // Own code: uPlot (51 kB) wants ascending x, which loops do not have; Chart.js takes 210 kB, and one more plugin to zoom.
 const NS = "http://www.w3.org/2000/svg";
@@ -12,7 +12,9 @@ function draw(into, curves, titles, zoom = null) {
     let low = Math.min(...points.map((p) => p[k])), high = Math.max(...points.map((p) => p[k]));
     // Heights that vary by more than half of their size are shown from 0.
     if (k && high - low > 0.5 * Math.max(-low, high)) [low, high] = [Math.min(low, 0), Math.max(high, 0)];
-    return high > low ? [low, high] : [low - 1, high + 1];
+    // A smaller range is rounding.
+    const size = Math.max(-low, high);
+    return high - low > 1e-9 * size ? [low, high] : [low - (size / 2 || 1), high + (size / 2 || 1)];
   };
   const [[x0, x1], [y0, y1]] = zoom || [0, 1].map(range);
   const X = (x) => L + ((x - x0) / (x1 - x0)) * (W - L - R), Y = (y) => H - B - ((y - y0) / (y1 - y0)) * (H - T - B);
@@ -28,17 +30,18 @@ function draw(into, curves, titles, zoom = null) {
     return node;
   };
   const add = addTo(svg);
-  const ticks = (low, high) => {
-    const raw = (high - low) / 5, power = 10 ** Math.floor(Math.log10(raw));
+  const ticks = (low, high, most) => {
+    // Labels have at most six digits.
+    const raw = Math.max((high - low) / most, 1e-5 * Math.max(-low, high)), power = 10 ** Math.floor(Math.log10(raw));
     const step = [1, 2, 5, 10].map((k) => k * power).find((s) => s >= raw);
     const first = Math.ceil(low / step - 1e-9);
-    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(12)));
+    return Array.from({ length: Math.floor(high / step + 1e-9) - first + 1 }, (_, k) => Number(((first + k) * step).toPrecision(6)));
   };
-  for (const y of ticks(y0, y1)) {
+  for (const y of ticks(y0, y1, 5)) {
     add("line", { class: y === 0 ? "zero" : "grid", x1: L, x2: W - R, y1: Y(y), y2: Y(y) });
     add("text", { x: L - 8, y: Y(y) + 4, "text-anchor": "end" }, `${y}`);
   }
-  for (const x of ticks(x0, x1)) {
+  for (const x of ticks(x0, x1, Math.min(5, (W - L - R) / 80))) {
     add("line", { class: "grid", x1: X(x), x2: X(x), y1: T, y2: H - B });
     add("text", { x: X(x), y: H - B + 18, "text-anchor": "middle" }, `${x}`);
   }
@@ -46,14 +49,14 @@ function draw(into, curves, titles, zoom = null) {
   add("text", { x: 4, y: 16 }, up);
   const box = { x: L, y: T, width: W - L - R, height: H - T - B };
   const inside = addTo(add("svg", { ...box, viewBox: Object.values(box).join(" "), style: `overflow:${zoom ? "hidden" : "visible"}` }));
-  for (const { name, colour, points, marks, arrows, ends, wide, bare } of curves) {
+  for (const { name, colour, points, marks, hollow, arrows, ends, wide, bare } of curves) {
     const at = points.filter(([x, y]) => Number.isFinite(x) && Number.isFinite(y));
     const shown = at.map(([x, y]) => [X(x), Y(y)]);
     if (!bare) inside("polyline", { points: shown.map((p) => p.map((c) => c.toFixed(1)).join(",")).join(" "), style: `stroke:${colour};stroke-width:${wide ? 2.6 : 1.6}` });
     if (arrows) for (const [x, y, angle] of arrowsOn(shown))
       inside("path", { class: "arrow", d: "M 7 0 L -6 5 L -6 -5 Z", transform: `translate(${x.toFixed(1)} ${y.toFixed(1)}) rotate(${angle.toFixed(0)})`, style: `fill:${colour}` });
     if (ends) [shown[0], shown[shown.length - 1]].forEach(([cx, cy], k) => inside("circle", { cx, cy, r: 4, style: `fill:${k ? colour : "var(--paper)"};stroke:${colour}` }));
-    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: 2.6, style: `fill:${fill}` }));
+    if (marks) marks.forEach((fill, k) => fill && Number.isFinite(points[k][0] + points[k][1]) && inside("circle", { cx: X(points[k][0]), cy: Y(points[k][1]), r: hollow ? 5 : 2.6, style: hollow ? `fill:none;stroke:${fill}` : `fill:${fill}` }));
   }
   const dot = inside("circle", { r: 4, style: "fill:var(--ink)", visibility: "hidden" });
   const tip = add("text", { y: T + 12, visibility: "hidden" });

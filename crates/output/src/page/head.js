@@ -14,6 +14,8 @@ const estimates = report.estimates || {};
 const dimension = report.boundaries && report.boundaries[0] ? report.boundaries[0].force.length : 3;
 const placeOf = (x) => `(${x.slice(0, dimension).map((c) => plain(c)).join(", ")}) ${LENGTH}`;
 const about = (error) => (error == null ? "unknown" : Math.abs(error) < 0.001 ? "below 0.1 %" : `about ${percent(Math.abs(error))}`);
+// The exact path has no time steps.
+const ofSteps = (error) => (report.method === "events" ? "" : about(error));
 const keyRow = (...cells) => {
   const row = element("tr");
   row.append(...["quantity", "value", "where and when", "error of the mesh", "error of the time steps"].map((name, k) => {
@@ -32,9 +34,9 @@ if (peak && peak.pressure) {
 const ofMesh = ({ given, mesh_error }) => (given ? "loads alone determine it" : about(mesh_error));
 if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   ofMesh(force), "");
-if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), about(held.time_error));
+if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), ofSteps(held.time_error));
 if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", "unknown",
-  about(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
+  ofSteps(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
 if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");
 const remarks = [
