@@ -1,13 +1,11 @@
 //! `stickslip converge`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::converge::{self, Limits, Plan, Verdict};
-use crate::study::{MeshSize, StudyError, TableQuantity};
+use crate::study::{MeshSize, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
-use stickslip::body::mesh::MeshSource;
-use stickslip::scene::Scene;
 use stickslip_output::paragraph;
 
 use super::study::{StudyFolder, changed, counted, pretty, print_results};
@@ -79,47 +77,12 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
     };
     linear::process::keep_freed_memory();
     let (bar, mut progress) = counted(plan.limits.most_runs, "runs at most");
-    let study =
-        converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted).map_err(
-            |error| match error {
-                StudyError::NoFinerMesh => no_finer_mesh(&scene),
-                other => other.into(),
-            },
-        )?;
+    let study = converge::compute(&scene, &plan, &mut progress, &mut interrupt::UntilInterrupted)?;
     bar.finish_and_clear();
     let json = pretty(&changed(study.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
-    let finer = finer(&scene).filter(|_| study.result.verdict == Verdict::NoFinerMesh);
-    text.extend(finer.map(|(command, _)| format!("             {command}")));
     let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
     print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     Ok(if study.result.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
-}
-
-fn no_finer_mesh(scene: &Scene) -> Failure {
-    let error = StudyError::NoFinerMesh;
-    let Some((command, meshes)) = finer(scene) else { return Failure::Input(error.into()) };
-    let help = format!(
-        "make finer meshes, e.g. {command}, and name all from coarse to fine, relative to the scene file (--meshes {})",
-        meshes.join(",")
-    );
-    Failure::input(error, help)
-}
-
-/// Returns the command by which Gmsh makes a mesh of half the element size, and both meshes as `--meshes` names them, if
-/// the geometry lies beside the mesh of the scene.
-fn finer(scene: &Scene) -> Option<(String, [String; 2])> {
-    let MeshSource::File { file, .. } = &scene.description.mesh else { return None };
-    let geometry = file.with_extension("geo");
-    let fine = file.with_file_name(format!("{}-fine.msh", file.file_stem()?.to_str()?));
-    let folder = Path::new(scene.file()).parent()?;
-    let named = [file, &fine].map(|path| path.strip_prefix(folder).unwrap_or(path).display().to_string());
-    let [geometry, fine] = [&geometry, &fine].map(|path| path.display().to_string());
-    // A geometry with given numbers of elements has no other size.
-    let has_numbers = std::fs::read_to_string(&geometry).is_ok_and(|text| text.contains("Transfinite"));
-    let option = if has_numbers { "-setnumber NAME VALUE" } else { "-clscale 0.5" };
-    let dimension = scene.description.mesh.build().map_or(3, |mesh| mesh.dimension);
-    let command = format!("gmsh -{dimension} {option} {geometry} -format msh41 -o {fine}");
-    Path::new(&geometry).is_file().then_some((command, named))
 }

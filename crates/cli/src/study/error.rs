@@ -26,7 +26,10 @@ pub enum StudyError {
     NoMesh,
     /// The mesh of the scene comes from a file, and no finer one is named.
     #[error("the mesh of the scene comes from a file, and no finer meshes are named")]
-    #[diagnostic(help("name mesh files from coarse to fine (--meshes coarse.msh,fine.msh)"))]
+    #[diagnostic(help(
+        "use triangles or tetrahedra, which refine themselves, or name mesh files from coarse to fine, relative to the scene file \
+         (--meshes coarse.msh,fine.msh)"
+    ))]
     NoFinerMesh,
     /// The meshes do not become finer.
     #[error("mesh {mesh} has {elements} elements and is no finer than the one before")]
