@@ -1,9 +1,10 @@
-//! Meshes that refine themselves: the history is solved, the cells with the largest errors of the stresses are divided, and
-//! so on until the error of the mesh is as small as asked for.
+//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are divided, and so on
+//! until the error of the mesh is expected to be as small as asked for.
 //!
-//! The cells with half of the squared error `η²` of [`DiscretisationError`] are divided (Dörfler, SIAM J. Numer. Anal. 33
-//! (1996) 1106), at the output times or at the end, each with its largest error. Errors are largest at the ends of
-//! contact zones and at corners, so that most cells are there.
+//! The cells with half of the squared error `η²` of [`DiscretisationError`] are divided (bulk marking of Dörfler, SIAM J.
+//! Numer. Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to the energy of
+//! all bodies; the error that is to become small is the largest of a body at one time, relative to its own energy. Errors are
+//! largest at the ends of contact zones and at corners, so that most cells are there.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -19,13 +20,13 @@ use crate::body::mesh::{Bisection, Mesh, MeshSource};
 use crate::body::model::Model;
 use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
-use crate::solver::history::{IncrementView, Observer};
+use crate::solver::history::{IncrementView, Observer, Status};
 use crate::solver::newton::IterationRecord;
 
 /// The share of the squared error in the cells that are divided.
 const SHARE: f64 = 0.5;
 
-/// The number of meshes after which the error is out of reach; each has about 1.5 times the cells of the last one.
+/// The number of meshes after which the error is out of reach.
 const MAX_MESHES: usize = 60;
 
 /// A mesh on which a history was solved before that of the run.
@@ -84,28 +85,29 @@ impl Refinement {
         &self.scene
     }
 
-    /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the error at which this ends,
-    /// with two digits: the value of `mesh.refine` that leads to this mesh. `observer` sees the iterations on coarser meshes.
+    /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the value of `mesh.refine`, with
+    /// two digits, that leads from the first mesh to this one; `None` if the history does not converge, or the error is 0, for
+    /// which all cells are divided. `observer` sees the iterations on coarser meshes.
     ///
     /// # Errors
     /// As [`Refinement::until`].
-    pub fn finer(&mut self, ratio: f64, observer: &mut dyn Observer) -> Result<f64, RunError> {
-        let MeshErrors { mesh, order, .. } = self.errors(&mut |_| (), observer)?;
+    pub fn finer(&mut self, ratio: f64, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
+        let Some(MeshErrors { mesh, order, .. }) = self.errors(&mut |_| (), observer)? else { return Ok(None) };
         let exact = mesh.error / ratio.powf(*order);
         if exact == 0.0 {
-            return self.divide().map(|()| 0.0);
+            return self.divide().map(|()| None);
         }
         let digits = 10.0_f64.powf(1.0 - exact.log10().floor());
         let wanted = (digits * exact).floor() / digits;
-        self.until(wanted, &mut |_| (), observer).map(|()| wanted)
+        self.until(wanted, &mut |_| (), observer).map(|()| Some(wanted))
     }
 
-    /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm. `prepare` sees each
-    /// model and `observer` the iterations on coarser meshes. A history that ends early refines no further.
+    /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm; the run on the last mesh
+    /// tells it. `prepare` sees each model and `observer` the iterations on coarser meshes. After a history that does not
+    /// converge the mesh stays as it is.
     ///
     /// # Errors
-    /// If a run on a coarser mesh fails, and if the error does not
-    /// become as small as asked for.
+    /// If a run on a coarser mesh cannot be prepared or go on, and if the error does not become as small as asked for.
     pub fn until(
         &mut self,
         wanted: f64,
@@ -113,14 +115,15 @@ impl Refinement {
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
         for _ in 0..MAX_MESHES {
-            let MeshErrors { mesh, order, dimension, .. } = self.errors(prepare, observer)?;
+            let Some(MeshErrors { mesh, order, dimension, .. }) = self.errors(prepare, observer)? else {
+                return Ok(());
+            };
             if mesh.error <= wanted {
                 return Ok(());
             }
             // Cells of half the volume, where half of the squared error is.
             let expected = mesh.error * (1.0 - SHARE * (1.0 - 0.5_f64.powf(2.0 * *order / *dimension))).sqrt();
             self.divide()?;
-            // The run on the last mesh tells its error.
             if expected <= wanted {
                 return Ok(());
             }
@@ -153,31 +156,31 @@ impl Refinement {
         RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
     }
 
-    /// Returns the errors of the present mesh: the largest ones at the output times, or at the end. Solves a history unless they
-    /// are known.
+    /// Returns the errors of the present mesh: the largest ones at the output times, or at the end; `None` if the history, which is
+    /// solved unless they are known, does not converge.
     fn errors(
         &mut self,
         prepare: &mut dyn FnMut(&Model),
         observer: &mut dyn Observer,
-    ) -> Result<&MeshErrors, RunError> {
-        let errors = if let Some(errors) = self.errors.take() {
-            errors
-        } else {
+    ) -> Result<Option<&MeshErrors>, RunError> {
+        if self.errors.is_none() {
             let run = Run::prepared(&self.scene, prepare, &mut ())?;
             if self.bisection.is_none() {
                 self.bisection = Bisection::new(&run.model().mesh);
             }
-            MeshErrors::of(&run, &self.scene, observer)?
-        };
-        Ok(self.errors.insert(errors))
+            self.errors = MeshErrors::of(&run, &self.scene, observer)?;
+        }
+        Ok(self.errors.as_ref())
     }
 }
 
 impl MeshErrors {
-    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<Self, RunError> {
+    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<Option<Self>, RunError> {
         let numbers: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
         let mut recording = if numbers.is_empty() { Recording::last() } else { Recording::of(numbers) };
-        run.history(&mut Recorded { recording: &mut recording, observer })?;
+        if run.history(&mut Recorded { recording: &mut recording, observer })?.status != Status::Converged {
+            return Ok(None);
+        }
         let model = run.model();
         let mesh = &model.mesh;
         let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; mesh.cells.len()]);
@@ -192,7 +195,7 @@ impl MeshErrors {
         let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
         let dimension = mesh.dimension as f64;
         let mesh = CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error };
-        Ok(MeshErrors { mesh, squares, order, dimension })
+        Ok(Some(MeshErrors { mesh, squares, order, dimension }))
     }
 }
 

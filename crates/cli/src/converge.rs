@@ -1,4 +1,4 @@
-//! Refines mesh and increments of a scene until a quantity is known to an asked share.
+//! Refines mesh and increments of a scene until a quantity is known to an asked share, its relative tolerance.
 //!
 //! Each run refines either the mesh or the increments, whichever error is larger. The change of the value by a run counts
 //! for what was refined. The errors of mesh and increments follow from these changes ([`limit`]), and their sum is the
@@ -37,7 +37,8 @@ pub struct Plan {
     pub sought: TableQuantity,
     /// The meshes, from coarse to fine; empty for those of the scene, refined by `ratio`.
     pub meshes: Vec<MeshSize>,
-    /// The factor of the numbers of elements along each axis from mesh to mesh.
+    /// The factor of the numbers of elements along each axis from mesh to mesh; a mesh that refines itself grows as if all its
+    /// elements became smaller by it.
     pub ratio: f64,
     /// The share to which the quantity is to be known, and the limits.
     pub limits: Limits,
@@ -133,15 +134,15 @@ fn fineness(mesh: &Mesh) -> f64 {
 struct Meshes<'a> {
     own: &'a Scene,
     ladder: &'a Ladder,
-    /// The meshes that refine themselves, if they do: the last one, its level, and the error up to which it was refined.
-    refined: Option<(Refinement, usize, f64)>,
+    /// The meshes that refine themselves, if they do: the last one, its level, and the value of `mesh.refine` that leads to it.
+    refined: Option<(Refinement, usize, Option<f64>)>,
 }
 
 impl<'a> Meshes<'a> {
     fn new(own: &'a Scene, ladder: &'a Ladder) -> Result<Self, StudyError> {
         let first = own.with(&[ladder.time(0)]).map_err(RunError::from)?;
         let refinement = ladder.refines_itself.then(|| Refinement::new(&first)).transpose()?;
-        Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, 0.0)) })
+        Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, None)) })
     }
 
     /// Returns the scene on these levels of mesh and increments, and the name of the mesh.
@@ -163,7 +164,7 @@ impl<'a> Meshes<'a> {
             scene.refine = None;
             scene.description.mesh = refinement.scene().description.mesh.clone();
             if mesh > 0 {
-                name = format!("refine = {error}");
+                name = error.map_or(format!("{name}, divided"), |error| format!("refine = {error}"));
             }
         }
         Ok((scene, name))
@@ -187,7 +188,7 @@ fn solve(
     let run = Run::new(&scene)?;
     let model = run.model();
     let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));
-    if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
+    if !ladder.refines_itself && steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
         return Err(StudyError::NotFiner { mesh: name, elements });
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();

@@ -21,8 +21,8 @@ kinds! {
     /// Stick and slip in a contact of 8 to 39 nodes: the stick zone is known to one element. Not given for fewer than 8
     /// nodes, for 40 or more, or if the whole boundary is in contact.
     STICK_ZONE_COARSE("stick-zone-coarse", "Smaller elements.", "its width does not matter");
-    /// Slip zones beside stick zones are fewer than 7 nodes wide (mean by friction work): work may be a tenth off. Not
-    /// given if the whole contact is too narrow, or hardly any work is dissipated.
+    /// Slip zones beside stick zones are fewer than 7 nodes wide (mean by friction work): work may be off by the share
+    /// in the message. Not given if the whole contact is too narrow, or hardly any work is dissipated.
     SLIP_ZONE_COARSE("slip-zone-coarse", "Smaller elements in the slip zone; see [friction](../method/estimates.md#friction).",
         "slip and work do not matter");
 }

@@ -5,8 +5,10 @@ use crate::body::estimate::expected_locking;
 use crate::body::fem::Element;
 
 kinds! {
-    /// Elements that hardly change volume make the body more than 5 % too stiff; second order: Poisson's ratio above 0.499.
-    LOCKING("locking", "`mesh.element = \"b-bar\"` or `\"nodal-volume\"`.", "the share in the message suffices");
+    /// Elements make the body more than 5 % too stiff: those that hardly change volume, near a Poisson's ratio of 0.5, or those too
+    /// large for bending. Second order: Poisson's ratio above 0.499.
+    LOCKING("locking", "See the message: `mesh.element = \"b-bar\"` or `\"nodal-volume\"`, second order, smaller elements.",
+        "the share in the message suffices");
 }
 
 /// Poisson's ratio from which resistance to a change of volume makes elements too stiff, and not bending.

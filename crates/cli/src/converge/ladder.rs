@@ -7,14 +7,14 @@ use stickslip::scene::{Override, Scene};
 
 use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multiplied};
 
-/// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless they are
-/// exact halves.
+/// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless all numbers
+/// stay whole.
 const LEAST_ELEMENTS: f64 = 8.0;
 
 /// The largest number of meshes coarser than the scene's, and the number of those that count as coarse if meshes refine themselves.
 const COARSER: i32 = 2;
 
-/// Fewer increments than this are not halved.
+/// Halving leaves no fewer increments.
 const LEAST_INCREMENTS: usize = 4;
 
 /// The meshes and increments of a study.
@@ -33,7 +33,7 @@ pub struct Ladder {
 impl Ladder {
     /// Returns the meshes `named`; without names, those to which the mesh of `scene` refines itself, if it can, or those
     /// with all numbers of elements times powers of `ratio`, which begin up to two steps below the mesh of the scene.
-    /// Increments begin with half of those of the scene.
+    /// Increments begin with half of those of the scene, if that is a whole number and not too few.
     ///
     /// # Errors
     /// When the scene has no meshes of this kind, and when its mesh cannot be built.
