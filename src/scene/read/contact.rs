@@ -89,7 +89,8 @@ pub(super) fn contact(mut given: ContactTable, reader: Reader<'_>) -> Result<Con
         }
         (None, Some(names)) => {
             if is_glued {
-                reject_keys("what is glued", &[("friction", friction.is_some())])?;
+                let keys = [("friction", friction.is_some()), ("friction_history", given.friction_history.is_some())];
+                reject_keys("what is glued", &keys)?;
             }
             Against::Boundary(opposite(names, &given, reader)?)
         }

@@ -23,7 +23,7 @@ fn check_explains_without_solving() {
         "4 normal forces p_n",
         "4 increments of 0.5 s",
         "memory       about ",
-        "             condensed: 8 contact displacements of 40",
+        "condensed: 8 contact displacements of 40",
         "held         by its supports",
         "theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent",
     ] {
