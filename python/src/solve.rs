@@ -17,9 +17,9 @@ use stickslip::solver::{ContactProblem, InitialWorkingSet};
 
 /// The linear algebra that was asked for.
 pub(crate) enum Algebra {
-    /// What the scene says, or else what suits the sizes.
+    /// The solver of the scene, or else the one that suits the sizes.
     Unsaid,
-    /// What suits the sizes.
+    /// The solver that suits the sizes.
     Auto,
     Named(LinearAlgebra),
     Foreign(Box<Foreign>),

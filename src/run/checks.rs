@@ -135,7 +135,7 @@ impl<T> Largest<T> {
 macro_rules! checks {
     ($($module:ident
         $(($($largest:ident),*))? $({ $($check:ident: $of_history:ty),* })? $(=> $of_results:ident)?;)*) => {
-        /// What the checks keep of a history.
+        /// The state that the checks keep of a history.
         #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
         pub(super) struct Checks {
             so_far: SoFar,

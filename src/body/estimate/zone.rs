@@ -314,8 +314,8 @@ impl PeakZone {
 
 impl StickZone {
     /// Returns the stick zone of surface `k` of `graph` in a `state` at `time` (s); `None` without friction, and
-    /// in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its status: where slip has just
-    /// ended, rounding decides between stick and slip.
+    /// in zones of up to three nodes across. A closed node at the friction limit belongs to the slip zone, whatever its
+    /// status: where slip has just ended, rounding decides between stick and slip.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
         let p_n = &state.p_n;
         let mu = model.loading.friction().map_or_else(|| model.problem.mu().to_vec(), |friction| friction.at(time));

@@ -25,8 +25,8 @@ struct Simplex {
     edge: Edge,
     /// The edge that is marked in the side opposite each corner of a tetrahedron.
     marked: [Edge; 4],
-    /// `true` if the new side between its two children is marked at an edge of the newest corner, where the marked edges are in one
-    /// plane: the flag of Arnold et al.
+    /// `true` if the new side between its two children is marked at an edge of the newest corner, where the marked edges
+    /// are in one plane: the flag of Arnold et al.
     turns: bool,
     /// The facet of the first mesh on which the side opposite each corner lies.
     facets: [Option<usize>; 4],

@@ -11,7 +11,8 @@ use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multi
 /// stay whole.
 const LEAST_ELEMENTS: f64 = 8.0;
 
-/// The largest number of meshes coarser than the scene's, and the number of those that count as coarse if meshes refine themselves.
+/// The largest number of meshes coarser than the scene's, and the number of those that count as coarse if meshes refine
+/// themselves.
 const COARSER: i32 = 2;
 
 /// Halving leaves no fewer increments.

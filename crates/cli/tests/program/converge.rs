@@ -217,7 +217,7 @@ fn triangles_refine_themselves() {
     let scene = Scene::read(file.as_ref(), &[refine.parse().unwrap()]).unwrap();
     let again = stickslip::run::Run::new(&scene).unwrap();
     assert_eq!(again.model().mesh.cells.len() as u64, last["elements"].as_u64().unwrap(), "{refine}");
-    // With a finer mesh the force is within what was told.
+    // The force on a finer mesh is within the uncertainty.
     let value = |study: &serde_json::Value, key: &str| study[key].as_f64().unwrap();
     let finer = json(&stickslip(&converge(&file, "force", &["--to", "0.01", "--json"])));
     let error = (value(&study, "value") / value(&finer, "extrapolated") - 1.0).abs();
