@@ -26,8 +26,12 @@ use crate::solver::newton::IterationRecord;
 /// The share of the squared error in the cells that are divided.
 const SHARE: f64 = 0.5;
 
-/// The number of meshes after which the error is out of reach.
+/// The largest number of meshes.
 const MAX_MESHES: usize = 60;
+
+/// The error is out of reach if so many meshes reduce it by less than a tenth, as beside a force at a point, where the energy of
+/// finer and finer meshes grows without a limit.
+const STAGNANT: (usize, f64) = (8, 0.9);
 
 /// A mesh on which a history was solved before that of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -47,6 +51,8 @@ pub struct Refinement {
     scene: Scene,
     bisection: Option<Bisection>,
     meshes: Vec<CoarserMesh>,
+    /// The status of the last history.
+    status: Status,
     /// The errors of the present mesh, if they are known.
     errors: Option<MeshErrors>,
 }
@@ -71,7 +77,8 @@ impl Refinement {
         let mut scene = scene.clone();
         scene.refine = None;
         let is_possible = Self::is_possible(&*scene.description.mesh.build().map_err(ModelError::from)?);
-        let refinement = Refinement { scene, bisection: None, meshes: Vec::new(), errors: None };
+        let refinement =
+            Refinement { scene, bisection: None, meshes: Vec::new(), status: Status::Converged, errors: None };
         if is_possible { Ok(refinement) } else { Err(refinement.other_cells()) }
     }
 
@@ -86,8 +93,8 @@ impl Refinement {
     }
 
     /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the value of `mesh.refine`, with
-    /// two digits, that leads from the first mesh to this one; `None` if the history does not converge, or the error is 0, for
-    /// which all cells are divided. `observer` sees the iterations on coarser meshes.
+    /// two digits, that leads from the first mesh to this one, 0 if the error is 0 and all cells are divided; `None` if the mesh
+    /// stays as it is, see [`Refinement::status`]. `observer` sees the iterations on coarser meshes.
     ///
     /// # Errors
     /// As [`Refinement::until`].
@@ -95,19 +102,21 @@ impl Refinement {
         let Some(MeshErrors { mesh, order, .. }) = self.errors(&mut |_| (), observer)? else { return Ok(None) };
         let exact = mesh.error / ratio.powf(*order);
         if exact == 0.0 {
-            return self.divide().map(|()| None);
+            return self.divide().map(|()| Some(0.0));
         }
         let digits = 10.0_f64.powf(1.0 - exact.log10().floor());
         let wanted = (digits * exact).floor() / digits;
-        self.until(wanted, &mut |_| (), observer).map(|()| Some(wanted))
+        let meshes = self.meshes.len();
+        self.until(wanted, &mut |_| (), observer)?;
+        Ok((self.meshes.len() > meshes).then_some(wanted))
     }
 
     /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm; the run on the last mesh
     /// tells it. `prepare` sees each model and `observer` the iterations on coarser meshes. After a history that does not
-    /// converge the mesh stays as it is.
+    /// converge, and if finer meshes hardly reduce the error, the mesh stays as it is.
     ///
     /// # Errors
-    /// If a run on a coarser mesh cannot be prepared or go on, and if the error does not become as small as asked for.
+    /// If a run on a coarser mesh cannot be prepared or go on.
     pub fn until(
         &mut self,
         wanted: f64,
@@ -115,10 +124,12 @@ impl Refinement {
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
         for _ in 0..MAX_MESHES {
+            let (meshes, share) = STAGNANT;
+            let before = self.meshes.len().checked_sub(meshes).map(|k| share * self.meshes[k].error);
             let Some(MeshErrors { mesh, order, dimension, .. }) = self.errors(prepare, observer)? else {
                 return Ok(());
             };
-            if mesh.error <= wanted {
+            if mesh.error <= wanted || before.is_some_and(|before| mesh.error > before) {
                 return Ok(());
             }
             // Cells of half the volume, where half of the squared error is.
@@ -128,7 +139,12 @@ impl Refinement {
                 return Ok(());
             }
         }
-        Err(self.fault(&format!("an error of {} % is out of reach", 100.0 * wanted), "ask for a larger error"))
+        Ok(())
+    }
+
+    /// Returns the status of the last history.
+    pub fn status(&self) -> &Status {
+        &self.status
     }
 
     /// Returns the scene on its present mesh, and the coarser meshes.
@@ -149,10 +165,7 @@ impl Refinement {
 
     fn other_cells(&self) -> RunError {
         let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
-        self.fault("only meshes of triangles or of tetrahedra refine themselves", help)
-    }
-
-    fn fault(&self, message: &str, help: &str) -> RunError {
+        let message = "only meshes of triangles or of tetrahedra refine themselves";
         RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
     }
 
@@ -168,19 +181,19 @@ impl Refinement {
             if self.bisection.is_none() {
                 self.bisection = Bisection::new(&run.model().mesh);
             }
-            self.errors = MeshErrors::of(&run, &self.scene, observer)?;
+            let (status, errors) = MeshErrors::of(&run, &self.scene, observer)?;
+            self.errors = (status == Status::Converged).then_some(errors);
+            self.status = status;
         }
         Ok(self.errors.as_ref())
     }
 }
 
 impl MeshErrors {
-    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<Option<Self>, RunError> {
+    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<(Status, Self), RunError> {
         let numbers: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
         let mut recording = if numbers.is_empty() { Recording::last() } else { Recording::of(numbers) };
-        if run.history(&mut Recorded { recording: &mut recording, observer })?.status != Status::Converged {
-            return Ok(None);
-        }
+        let status = run.history(&mut Recorded { recording: &mut recording, observer })?.status;
         let model = run.model();
         let mesh = &model.mesh;
         let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; mesh.cells.len()]);
@@ -195,7 +208,7 @@ impl MeshErrors {
         let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
         let dimension = mesh.dimension as f64;
         let mesh = CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error };
-        Ok(Some(MeshErrors { mesh, squares, order, dimension }))
+        Ok((status, MeshErrors { mesh, squares, order, dimension }))
     }
 }
 

@@ -135,14 +135,14 @@ struct Meshes<'a> {
     own: &'a Scene,
     ladder: &'a Ladder,
     /// The meshes that refine themselves, if they do: the last one, its level, and the value of `mesh.refine` that leads to it.
-    refined: Option<(Refinement, usize, Option<f64>)>,
+    refined: Option<(Refinement, usize, f64)>,
 }
 
 impl<'a> Meshes<'a> {
     fn new(own: &'a Scene, ladder: &'a Ladder) -> Result<Self, StudyError> {
         let first = own.with(&[ladder.time(0)]).map_err(RunError::from)?;
         let refinement = ladder.refines_itself.then(|| Refinement::new(&first)).transpose()?;
-        Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, None)) })
+        Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, 0.0)) })
     }
 
     /// Returns the scene on these levels of mesh and increments, and the name of the mesh.
@@ -158,13 +158,14 @@ impl<'a> Meshes<'a> {
         let mut name = ladder::name(&scene.description.mesh);
         if let Some((refinement, level, error)) = &mut self.refined {
             while *level < mesh {
-                *error = refinement.finer(self.ladder.ratio, observer)?;
+                let finer = refinement.finer(self.ladder.ratio, observer)?;
+                *error = finer.ok_or_else(|| StudyError::NotRefined(refinement.status().clone()))?;
                 *level += 1;
             }
             scene.refine = None;
             scene.description.mesh = refinement.scene().description.mesh.clone();
             if mesh > 0 {
-                name = error.map_or(format!("{name}, divided"), |error| format!("refine = {error}"));
+                name = if *error > 0.0 { format!("refine = {error}") } else { format!("{name}, divided") };
             }
         }
         Ok((scene, name))
@@ -188,7 +189,7 @@ fn solve(
     let run = Run::new(&scene)?;
     let model = run.model();
     let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));
-    if !ladder.refines_itself && steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
+    if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
         return Err(StudyError::NotFiner { mesh: name, elements });
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();

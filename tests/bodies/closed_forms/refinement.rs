@@ -97,3 +97,20 @@ fn other_cells_and_errors_are_refused() {
     let scene = Scene::parse("scene.toml", &scene_text(CYLINDER), &["mesh.refine=2".parse().unwrap()]);
     assert!(scene.unwrap_err().to_string().contains("mesh.refine"));
 }
+
+/// Beside a force at a point the energy of finer meshes grows without a limit: the mesh is refined no further, and its
+/// error is told.
+#[test]
+fn a_force_at_a_point_ends_the_refinement() {
+    let plate = r#"
+        [mesh] kind = "block", size = [0.2, 0.1], elements = [4, 2], cells = "triangle", refine = 0.1
+        [material] young = 1e9, poisson = 0.3, plane = "strain"
+        [[support]] boundary = "left", fix = ["x", "y"]
+        [[load]] point = [0.1, 0.1], force = [0, -1e3]
+        [time] end = 1, increments = 1
+    "#;
+    let (report, nodes) = solved_scene(plate, &[]);
+    println!("{nodes} nodes, {} coarser meshes, error {:.3}", report.coarser_meshes.len(), error_of(&report));
+    assert_eq!(report.status.to_string(), "converged");
+    assert!(error_of(&report) > 0.1 && report.coarser_meshes.len() < 30, "{nodes}");
+}

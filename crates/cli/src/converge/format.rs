@@ -174,8 +174,10 @@ impl Convergence {
                 let next = self.result.predicted.unwrap_or_default();
                 format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)")
             }
-            Verdict::NoFinerMesh => format!("{so_far}{short}: no finer mesh is named (--meshes)"),
-            Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.result.reason),
+            Verdict::NoFinerMesh if self.result.reason.is_empty() => {
+                format!("{so_far}{short}: no finer mesh is named (--meshes)")
+            }
+            Verdict::NoFinerMesh | Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.result.reason),
         }
     }
 

@@ -5,6 +5,7 @@ use std::time::Instant;
 use super::extrapolation::{Behaviour, Limit, is_singular, limit};
 use super::{Ladder, Verdict};
 use crate::study::StudyError;
+use stickslip::solver::history::Status;
 
 /// Meshes with known values before a quantity counts as known.
 const MESHES: usize = 3;
@@ -189,6 +190,11 @@ pub(super) fn refine(
             Ok(step) => steps.push(step),
             Err(StudyError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
+            }
+            Err(StudyError::NotRefined(status)) if !steps.is_empty() => {
+                let is_interrupted = status == Status::Interrupted;
+                let verdict = if is_interrupted { Verdict::Interrupted } else { Verdict::NoFinerMesh };
+                break (verdict, StudyError::NotRefined(status).to_string());
             }
             Err(error) => return Err(error),
         }

@@ -1,6 +1,7 @@
 //! The reasons why a study is impossible.
 
 use stickslip::run::RunError;
+use stickslip::solver::history::Status;
 
 /// The reason why a study is impossible.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -54,6 +55,12 @@ pub enum StudyError {
         /// The quantities that the scene has.
         known: Vec<&'static str>,
     },
+    /// A mesh refines itself no further.
+    #[error("the mesh refines itself no further: {}", match .0 {
+        Status::Converged => "finer meshes hardly reduce the error of the stresses, as beside a force at a point".to_string(),
+        status => format!("the history on it ended as {status}"),
+    })]
+    NotRefined(Status),
     /// A mesh could not be built, or a run ended without a report.
     #[error(transparent)]
     #[diagnostic(transparent)]
