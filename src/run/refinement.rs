@@ -143,8 +143,8 @@ impl Refinement {
     }
 
     /// Returns the status of the last history.
-    pub fn status(&self) -> &Status {
-        &self.status
+    pub fn status(&self) -> Status {
+        self.status
     }
 
     /// Returns the scene on its present mesh, and the coarser meshes.

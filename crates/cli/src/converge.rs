@@ -159,7 +159,7 @@ impl<'a> Meshes<'a> {
         if let Some((refinement, level, error)) = &mut self.refined {
             while *level < mesh {
                 let finer = refinement.finer(self.ladder.ratio, observer)?;
-                *error = finer.ok_or_else(|| StudyError::NotRefined(refinement.status().clone()))?;
+                *error = finer.ok_or_else(|| StudyError::NotRefined(refinement.status()))?;
                 *level += 1;
             }
             scene.refine = None;
