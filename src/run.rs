@@ -202,7 +202,7 @@ impl<'a> Run<'a> {
         Run { cycle: Some(cycle), ..self }
     }
 
-    /// Resumes from a `checkpoint` that an observer was offered in [`Observer::rest`]. Except for times and numbers of
+    /// Resumes from a `checkpoint` that an observer was offered in [`Observer::checkpoint_offered`]. Except for times and numbers of
     /// factorisations, the results agree with those of an uninterrupted run to the last bit, for the same number of
     /// threads and the same BLAS. The report has the records of the remaining increments only; everything else in it
     /// covers all increments.
