@@ -213,7 +213,7 @@ class Fields:
         """
         model = self._model()
         dimension = model.dimension
-        size = self.report.get("units", {}).get("force", {}).get("si", 1.0) / model.thickness
+        size = self.report.get("units", {}).get("force", {}).get("si", 1.0) / model._core.thickness
         forces: dict[str, Array] = {}
         for record in self.report.get("reactions", []):
             seen: set[str] = set()
