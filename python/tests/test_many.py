@@ -319,7 +319,7 @@ def test_a_part_of_results_is_results() -> None:
 @pytest.mark.filterwarnings("ignore::stickslip.NotConvergedWarning")
 def test_results_without_an_increment_have_their_shape() -> None:
     loose = ss.ContactProblem(np.zeros((2, 2)), [[0, -1]], [[1, 0]], mu=0.3, free_motions=np.eye(2))
-    result, results = loose.solve([1.0, 1.0], linear="faer"), loose.solve_many(forces=[[1.0, 1.0]], linear="faer")
+    result, results = loose.solve([1.0, 1.0], linear="condensed"), loose.solve_many(forces=[[1.0, 1.0]], linear="condensed")
     assert len(result.t) == 0 and result.p_n.shape == (0, 1) and result.p_t.shape == (0, 1, 1) and result.u.shape == (0, 2)
     assert results.stack("p_t").shape[2:] == (1, 1) and results.stack("u").shape[2:] == (2,)
 
