@@ -6,8 +6,8 @@
 //! use stickslip::run::{Recording, Run};
 //! use stickslip::scene::Scene;
 //!
-//! let scene = Scene::parse("block.toml", include_str!("../data/scenes/block.toml"), &["mesh.elements=[10,10]".parse()?])?;
-//! let report = Run::new(&scene)?.solve(&mut ())?;
+//! let scene = Scene::parse("block.toml", include_str!("../data/scenes/block.toml"),
+//! &["mesh.elements=[10,10]".parse()?])?; let report = Run::new(&scene)?.solve(&mut ())?;
 //! assert_eq!(report.status.to_string(), "converged");
 //!
 //! // Arrays of selected increments, here of all, are kept by an observer.
@@ -99,8 +99,8 @@ impl<'a> Run<'a> {
     }
 
     /// Prepares the run described by `scene`. `prepare` sees the model before the first factorisation, e.g. to set the
-    /// number of threads. If the mesh refines itself, it sees the coarser models, too, and `observer` sees the iterations on
-    /// them.
+    /// number of threads. If the mesh refines itself, it sees the coarser models, too, and `observer` sees the
+    /// iterations on them.
     ///
     /// # Errors
     /// As [`Run::new`].
@@ -195,17 +195,17 @@ impl<'a> Run<'a> {
         Ok(Run { uniqueness: true, ..self })
     }
 
-    /// Requests the results of a load cycle, at whose beginning and end increments must end. A scene with `output.cycle`
-    /// requests it itself.
+    /// Requests the results of a load cycle, at whose beginning and end increments must end. A scene with
+    /// `output.cycle` requests it itself.
     #[must_use]
     pub fn with_cycle(self, cycle: CycleRequest) -> Self {
         Run { cycle: Some(cycle), ..self }
     }
 
-    /// Resumes from a `checkpoint` that an observer was offered in [`Observer::checkpoint_offered`]. Except for times and numbers of
-    /// factorisations, the results agree with those of an uninterrupted run to the last bit, for the same number of
-    /// threads and the same BLAS. The report has the records of the remaining increments only; everything else in it
-    /// covers all increments.
+    /// Resumes from a `checkpoint` that an observer was offered in [`Observer::checkpoint_offered`]. Except for times
+    /// and numbers of factorisations, the results agree with those of an uninterrupted run to the last bit, for the
+    /// same number of threads and the same BLAS. The report has the records of the remaining increments only;
+    /// everything else in it covers all increments.
     ///
     /// [`Run::solve`] returns an error if the checkpoint is damaged, or belongs to another scene, method or linear
     /// solver.

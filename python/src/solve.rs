@@ -86,8 +86,8 @@ thread_local! {
     static ALONE: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Does `work` without the lock of the interpreter. A forked child has none of its parent's threads and would wait for them for ever,
-/// so each thread of a child works alone.
+/// Does `work` without the lock of the interpreter. A forked child has none of its parent's threads and would wait for
+/// them for ever, so each thread of a child works alone.
 pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
     py.detach(|| {
         if *HOME.get_or_init(process::id) != process::id() && !ALONE.replace(true) {
@@ -100,7 +100,8 @@ pub(crate) fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send)
 /// What a panic says.
 pub(crate) const BUG: &str = "a bug in stickslip: please report it with the arrays that led to it";
 
-/// Runs without the lock of the interpreter. Whatever Python has raised meanwhile comes out, and a panic as an exception.
+/// Runs without the lock of the interpreter. Whatever Python has raised meanwhile comes out, and a panic as an
+/// exception.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     mut recorder: Recorder,

@@ -2,8 +2,8 @@
 //!
 //! Condensed equations have a dense matrix on the contact displacements, the Schur complement of the stiffness `K`. It
 //! is formed once a run, and a Newton matrix costs a part of it. The factors of the whole system are sparse, and are
-//! made anew for each Newton matrix. The ratio of the entries of both matrices decides. It is a rule of experience: on the
-//! scenes in doc/method/benchmarks.md, with few and many increments, BN and IP, it takes the faster way.
+//! made anew for each Newton matrix. The ratio of the entries of both matrices decides. It is a rule of experience: on
+//! the scenes in doc/method/benchmarks.md, with few and many increments, BN and IP, it takes the faster way.
 
 use super::need::{factor_of, factors, most_entries};
 use crate::algebra::linear::built_in::ranks;
@@ -39,7 +39,8 @@ pub struct AvailableSolvers {
     pub available: Option<u64>,
     /// `true` if multigrid is suitable for the problem, see [`crate::run::unsuited`].
     pub multigrid: bool,
-    /// The number of MPI processes. With several, solvers that use all of them come first, if there are any in this build.
+    /// The number of MPI processes. With several, solvers that use all of them come first, if there are any in this
+    /// build.
     pub ranks: usize,
 }
 

@@ -51,8 +51,8 @@ pub fn tightening(scene: &Scene) -> Result<Model, RunError> {
     suitable(scene, model_of(scene, None)?)
 }
 
-/// Discretises `scene` with the stiffness that its solver needs, on the mesh that it asks for; returns the coarser meshes, too.
-/// `prepare` sees their models and `observer` the iterations on them.
+/// Discretises `scene` with the stiffness that its solver needs, on the mesh that it asks for; returns the coarser
+/// meshes, too. `prepare` sees their models and `observer` the iterations on them.
 pub(super) fn for_run(
     scene: &Scene,
     prepare: &mut dyn FnMut(&Model),

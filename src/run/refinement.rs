@@ -1,10 +1,10 @@
-//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are divided, and so on
-//! until the error of the mesh is expected to be as small as asked for.
+//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are divided, and
+//! so on until the error of the mesh is expected to be as small as asked for.
 //!
-//! The cells with half of the squared error `η²` of [`DiscretisationError`] are divided (bulk marking of Dörfler, SIAM J.
-//! Numer. Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to the energy of
-//! all bodies; the error that is to become small is the largest of a body at one time, relative to its own energy. Errors are
-//! largest at the ends of contact zones and at corners, so that most cells are there.
+//! The cells with half of the squared error `η²` of [`DiscretisationError`] are divided (bulk marking of Dörfler, SIAM
+//! J. Numer. Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to
+//! the energy of all bodies; the error that is to become small is the largest of a body at one time, relative to its
+//! own energy. Errors are largest at the ends of contact zones and at corners, so that most cells are there.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -29,8 +29,8 @@ const SHARE: f64 = 0.5;
 /// The largest number of meshes.
 const MAX_MESHES: usize = 60;
 
-/// The error is out of reach if so many meshes reduce it by less than a tenth, as beside a force at a point, where the energy of
-/// finer and finer meshes grows without a limit.
+/// The error is out of reach if so many meshes reduce it by less than a tenth, as beside a force at a point, where the
+/// energy of finer and finer meshes grows without a limit.
 const STAGNANT: (usize, f64) = (8, 0.9);
 
 /// A mesh on which a history was solved before that of the run.
@@ -92,32 +92,37 @@ impl Refinement {
         &self.scene
     }
 
-    /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the value of `mesh.refine`, with
-    /// two digits, that leads from the first mesh to this one, 0 if the error is 0 and all cells are divided; `None` if the mesh
-    /// stays as it is, see [`Refinement::status`]. `observer` sees the iterations on coarser meshes.
+    /// Refines the mesh as if all elements became `ratio` times smaller, or a little more. Returns the value of
+    /// `mesh.refine`, with two digits, that leads from the first mesh to this one, 0 if the error is 0 and all cells
+    /// are divided; `None` if the mesh stays as it is, see [`Refinement::status`]. `observer` sees the iterations on
+    /// coarser meshes.
     ///
     /// # Errors
-    /// As [`Refinement::until`].
+    /// If a run on a coarser mesh cannot be prepared or go on. A `ratio` of at most 1, or none, leaves the mesh as it is.
     pub fn finer(&mut self, ratio: f64, observer: &mut dyn Observer) -> Result<Option<f64>, RunError> {
         let Some(MeshErrors { mesh, order, .. }) = self.errors(&mut |_| (), observer)? else { return Ok(None) };
         let exact = mesh.error / ratio.powf(*order);
         if exact == 0.0 {
             return self.divide().map(|()| Some(0.0));
         }
+        if ratio.is_nan() {
+            return Ok(None);
+        }
         let digits = 10.0_f64.powf(1.0 - exact.log10().floor());
         let wanted = (digits * exact).floor() / digits;
         let meshes = self.meshes.len();
         self.until(wanted, &mut |_| (), observer)?;
-        Ok((self.meshes.len() > meshes).then_some(wanted))
+        let is_refined = self.meshes.len() > meshes && self.status == Status::Converged;
+        Ok(is_refined.then_some(wanted))
     }
 
-    /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm; the run on the last mesh
-    /// tells it. `prepare` sees each model and `observer` the iterations on coarser meshes. After a history that does not
-    /// converge, and if finer meshes hardly reduce the error, the mesh stays as it is.
+    /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm; the run on
+    /// the last mesh tells it. `prepare` sees each model and `observer` the iterations on coarser meshes. After a
+    /// history that does not converge, and if finer meshes hardly reduce the error, the mesh stays as it is.
     ///
     /// # Errors
     /// If a run on a coarser mesh cannot be prepared or go on.
-    pub fn until(
+    pub(super) fn until(
         &mut self,
         wanted: f64,
         prepare: &mut dyn FnMut(&Model),
@@ -169,8 +174,8 @@ impl Refinement {
         RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
     }
 
-    /// Returns the errors of the present mesh: the largest ones at the output times, or at the end; `None` if the history, which is
-    /// solved unless they are known, does not converge.
+    /// Returns the errors of the present mesh: the largest ones at the output times, or at the end; `None` if the
+    /// history, which is solved unless they are known, does not converge.
     fn errors(
         &mut self,
         prepare: &mut dyn FnMut(&Model),

@@ -6,7 +6,7 @@ macro_rules! say {
 }
 
 /// Prints a line with a label on standard output, broken to fit a screen.
-macro_rules! tell {
+macro_rules! row {
     ($($arg:tt)*) => { $crate::commands::output::labelled(&format!($($arg)*)) };
 }
 

@@ -1,11 +1,11 @@
 //! Refines mesh and increments of a scene until a quantity is known to an asked share, its relative tolerance.
 //!
-//! Each run refines either the mesh or the increments, whichever error is larger. The change of the value by a run counts
-//! for what was refined. The errors of mesh and increments follow from these changes ([`limit`]), and their sum is the
-//! error of the last run.
+//! Each run refines either the mesh or the increments, whichever error is larger. The change of the value by a run
+//! counts for what was refined. The errors of mesh and increments follow from these changes ([`limit`]), and their sum
+//! is the error of the last run.
 //!
-//! Meshes of triangles or tetrahedra refine themselves where the errors of the stresses are large ([`Refinement`]); all elements
-//! of others become smaller.
+//! Meshes of triangles or tetrahedra refine themselves where the errors of the stresses are large ([`Refinement`]); all
+//! elements of others become smaller.
 
 mod extrapolation;
 mod format;
@@ -37,8 +37,8 @@ pub struct Plan {
     pub sought: TableQuantity,
     /// The meshes, from coarse to fine; empty for those of the scene, refined by `ratio`.
     pub meshes: Vec<MeshSize>,
-    /// The factor of the numbers of elements along each axis from mesh to mesh; a mesh that refines itself grows as if all its
-    /// elements became smaller by it.
+    /// The factor of the numbers of elements along each axis from mesh to mesh; a mesh that refines itself grows as if
+    /// all its elements became smaller by it.
     pub ratio: f64,
     /// The share to which the quantity is to be known, and the limits.
     pub limits: Limits,
@@ -83,7 +83,8 @@ pub struct Convergence {
     pub last: RunReport,
 }
 
-/// Refines `scene` as planned, and reports each run to `progress` before it starts. `observer` sees all runs, and may stop them.
+/// Refines `scene` as planned, and reports each run to `progress` before it starts. `observer` sees all runs, and may
+/// stop them.
 ///
 /// # Errors
 /// When the scene has no such quantity or no finer meshes, or the first run ends without a report.
@@ -102,7 +103,9 @@ pub fn compute(
     let mut meshes = Meshes::new(scene, &ladder)?;
     let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
         let (run, report) = solve(&mut meshes, &sought, (mesh, increments), steps, progress, observer)?;
-        last = Some(report);
+        if report.status != Status::Interrupted || last.is_none() {
+            last = Some(report);
+        }
         Ok(run)
     })?;
     let last = last.ok_or(StudyError::NoFinerMesh)?;
@@ -134,7 +137,8 @@ fn fineness(mesh: &Mesh) -> f64 {
 struct Meshes<'a> {
     own: &'a Scene,
     ladder: &'a Ladder,
-    /// The meshes that refine themselves, if they do: the last one, its level, and the value of `mesh.refine` that leads to it.
+    /// The meshes that refine themselves, if they do: the last one, its level, and the value of `mesh.refine` that
+    /// leads to it.
     refined: Option<(Refinement, usize, f64)>,
 }
 

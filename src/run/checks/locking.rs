@@ -5,8 +5,8 @@ use crate::body::estimate::expected_locking;
 use crate::body::fem::Element;
 
 kinds! {
-    /// Elements make the body more than 5 % too stiff: those that hardly change volume, near a Poisson's ratio of 0.5, or those too
-    /// large for bending. Second order: Poisson's ratio above 0.499.
+    /// Elements make the body more than 5 % too stiff: those that hardly change volume, near a Poisson's ratio of 0.5,
+    /// or those too large for bending. Second order: Poisson's ratio above 0.499.
     LOCKING("locking", "See the message: `mesh.element = \"b-bar\"` or `\"nodal-volume\"`, second order, smaller elements.",
         "the share in the message suffices");
 }

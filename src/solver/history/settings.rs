@@ -38,7 +38,8 @@ pub struct HistorySettings {
     /// estimate costs two solves an increment, and another factorisation where nodes first touch and slide.
     pub estimates_error: bool,
     /// The checkpoint from which the history resumes, instead of the unloaded body. It comes from
-    /// [`super::Observer::checkpoint_offered`] of a run with the same problem, loading, times so far, settings and linear system.
+    /// [`super::Observer::checkpoint_offered`] of a run with the same problem, loading, times so far, settings and
+    /// linear system.
     pub from: Option<Checkpoint>,
 }
 

@@ -47,16 +47,16 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
     contacts(&scene, &model);
     loads(&scene, &model);
     let solver = &scene.solver;
-    tell!(
+    row!(
         "history      {} increments of {} s to t = {} s",
         scene.time.increments,
         six_digits(scene.time.end / scene.time.increments as f64),
         scene.time.end
     );
     for kinks in histories::between(&scene, &model.units()) {
-        tell!("             further ends: {kinks}");
+        row!("             further ends: {kinks}");
     }
-    tell!(
+    row!(
         "solver       {}, setting {}, {}; at most {} iterations; error of every law at most {:.0e}",
         solver.method.name(),
         solver.method.setting(),
@@ -65,9 +65,9 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
         solver.tolerance
     );
     for line in needs(&scene, &model, budget)? {
-        tell!("{line}");
+        row!("{line}");
     }
-    tell!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
+    row!("disk         about {} for the results", in_words(bytes_on_disk(&scene, &model)));
     holding(&model);
     print_warnings(&Warning::of_model(&model));
     if !model.contact.nodes.is_empty() {
@@ -100,16 +100,16 @@ fn body(scene: &Scene, model: &Model) {
         _ => "elements of several kinds",
     };
     let averaged = if model.element() == Element::NodalVolume { " with nodal volumes" } else { "" };
-    tell!(
+    row!(
         "mesh         {kind} {cells}{averaged}, {} nodes, boundaries {}",
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );
     for line in bodies(&scene.description.mesh, model) {
-        tell!("{line}");
+        row!("{line}");
     }
     for remark in &model.mesh.notes.remarks {
-        tell!("             {remark}");
+        row!("             {remark}");
     }
     let Material { young, poisson, plane, thickness, layers, groups, .. } = &scene.description.material;
     let thick =
@@ -122,11 +122,11 @@ fn body(scene: &Scene, model: &Model) {
     };
     let modulus = |young: f64| rounded(&units, Quantity::Stress, young);
     match &scene.description.mesh {
-        MeshSource::Bodies(_) => tell!("material     {state}"),
-        _ => tell!("material     E = {}, nu = {poisson}, {state}", modulus(*young)),
+        MeshSource::Bodies(_) => row!("material     {state}"),
+        _ => row!("material     E = {}, nu = {poisson}, {state}", modulus(*young)),
     }
     for group in groups {
-        tell!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
+        row!("group        {}: E = {}, nu = {}", group.name, modulus(group.young), group.poisson);
     }
     let height = if model.mesh.dimension == 2 { "y" } else { "z" };
     let mut bottom = 0.0;
@@ -135,7 +135,7 @@ fn body(scene: &Scene, model: &Model) {
         let top = units.of_si(Quantity::Length, top);
         let top: f64 = format!("{top:.14e}").parse().unwrap_or(top);
         let (unit, young) = (units.name(Quantity::Length), modulus(layer.young));
-        tell!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
+        row!("layer        {height} = {bottom} to {top} {unit}: E = {young}, nu = {}", layer.poisson);
         bottom = top;
     }
     for Coupling { name, part, kind, .. } in &scene.description.couplings {
@@ -143,7 +143,7 @@ fn body(scene: &Scene, model: &Model) {
             CouplingKind::Rigid => "carries",
             CouplingKind::Distributing => "distributes forces over",
         };
-        tell!("coupling     {name}: {how} {}", part.name());
+        row!("coupling     {name}: {how} {}", part.name());
     }
     for pretension in &scene.description.pretensions {
         let how = match pretension.tightening {
@@ -154,10 +154,10 @@ fn body(scene: &Scene, model: &Model) {
             Tightening::Shortening(by) => format!("a shortening by {}", rounded(&units, Quantity::Length, by)),
         };
         let lock = pretension.lock.map_or(String::new(), |lock| format!(", locked at t = {lock} s"));
-        tell!("pretension   {}: {how} across {}{lock}", pretension.name, pretension.boundary);
+        row!("pretension   {}: {how} across {}{lock}", pretension.name, pretension.boundary);
     }
     for support in &scene.description.supports {
-        tell!("support      {}: {}", support.at.location(&units), holds(support, &units, scene.time.end));
+        row!("support      {}: {}", support.at.location(&units), holds(support, &units, scene.time.end));
     }
     for bed in &scene.description.springs {
         let stiffness = match bed {
@@ -173,7 +173,7 @@ fn body(scene: &Scene, model: &Model) {
                 format!("{normal} along the normal, {tangential} across")
             }
         };
-        tell!("spring       {}: {stiffness}", bed.location(&units));
+        row!("spring       {}: {stiffness}", bed.location(&units));
     }
 }
 
@@ -184,12 +184,12 @@ fn pairs(model: &Model) {
     for (pair, record) in model.contact.pairs.iter().zip(PairRecord::all(model)) {
         let PairRecord { slave, master, reason, glued, rows, segments, covered, least_gap, largest_gap, .. } = record;
         let glued = if glued { ", glued" } else { "" };
-        tell!("pair         {slave} (slave) against {master}{glued}: {rows} rows, {segments} segments");
+        row!("pair         {slave} (slave) against {master}{glued}: {rows} rows, {segments} segments");
         if let Some(reason) = reason {
-            tell!("             {slave} is the slave: {reason}");
+            row!("             {slave} is the slave: {reason}");
         }
         let largest = pair.mortar.rows.iter().flat_map(|row| &row.master).fold(0.0_f64, |m, (_, c)| m.max(*c));
-        tell!(
+        row!(
             "             {:.0} % of the slave covered, gaps {} to {}, largest share of a master node {largest:.3}",
             100.0 * covered,
             length(least_gap),
@@ -198,7 +198,7 @@ fn pairs(model: &Model) {
         if !pair.glued && !pair.is_measured() {
             let least = pair.gaps.iter().copied().fold(f64::INFINITY, f64::min);
             let largest = pair.gaps.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            tell!("             gaps of {} to {} when the history begins", length(least), length(largest));
+            row!("             gaps of {} to {} when the history begins", length(least), length(largest));
         }
     }
 }
@@ -212,14 +212,14 @@ fn contacts(scene: &Scene, model: &Model) {
         let changing = contact.friction_history.as_ref().map(|history| points(history, |factor| factor[0].to_string()));
         let mu = changing.map_or(mu.clone(), |factors| format!("{mu}, times {factors}"));
         if let Some(pair) = boundary.pair {
-            tell!(
+            row!(
                 "contact      {} against {}, mu = {mu}",
                 model.contact.pairs[pair].slave,
                 model.contact.pairs[pair].master.name
             );
         }
         if several {
-            tell!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
+            row!("contact      {}: {} obstacles, mu = {mu}", contact.boundary, contact.obstacles().len());
         }
         for (given, k) in contact.obstacles().iter().zip(boundary.obstacles.clone()) {
             let placed = &model.contact.obstacles[k].0;
@@ -228,23 +228,23 @@ fn contacts(scene: &Scene, model: &Model) {
             let obstacle = obstacle.join(", ");
             if several {
                 let assigned = model.contact.nodes.iter().filter(|contact| contact.obstacle() == Some(k)).count();
-                tell!("             {obstacle}, met by {assigned} node{}", if assigned == 1 { "" } else { "s" });
+                row!("             {obstacle}, met by {assigned} node{}", if assigned == 1 { "" } else { "s" });
             } else {
-                tell!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
+                row!("contact      {}: {obstacle}, mu = {mu}", contact.boundary);
             }
-            tell!("             {}", frame(model, placed, given.direction));
+            row!("             {}", frame(model, placed, given.direction));
         }
         if boundary.unreached > 0 {
-            tell!("             {} nodes remain open because no obstacle ever reaches them", boundary.unreached);
+            row!("             {} nodes remain open because no obstacle ever reaches them", boundary.unreached);
         }
     }
     pairs(model);
     let layout = Layout::new(&model.problem);
-    tell!("unknowns     {} displacements u", layout.displacements());
+    row!("unknowns     {} displacements u", layout.displacements());
     match (layout.contacts(), layout.tangentials()) {
-        (0, _) => tell!("             no contact: one linear solve per increment, one factorisation"),
+        (0, _) => row!("             no contact: one linear solve per increment, one factorisation"),
         (n, t) => {
-            tell!("             {n} normal forces p_n");
+            row!("             {n} normal forces p_n");
             let with = |has: &dyn Fn(usize) -> bool| (0..n).filter(|&i| has(i)).count();
             let frictionless = match with(&|i| !layout.has_friction(i)) {
                 0 => String::new(),
@@ -254,7 +254,7 @@ fn contacts(scene: &Scene, model: &Model) {
                 2 => "p_t".to_string(),
                 _ => format!("p_t and p_o; {} nodes slide in a plane", with(&|i| layout.slides_in_a_plane(i))),
             };
-            tell!("             {t} tangential forces {along}{frictionless}");
+            row!("             {t} tangential forces {along}{frictionless}");
         }
     }
 }
@@ -267,7 +267,7 @@ fn loads(scene: &Scene, model: &Model) {
             Action::Temperature { .. } | Action::Moment { .. } => String::new(),
             _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
         };
-        tell!(
+        row!(
             "load         {}: {}{sum}; factor {}",
             load.action.location(&units),
             acts(&load.action, &units),
@@ -319,26 +319,26 @@ fn acts(action: &Action, units: &UnitSystem) -> String {
 
 fn holding(model: &Model) {
     if model.constraints.rigid_motions.is_empty() {
-        tell!("held         by its supports");
+        row!("held         by its supports");
         return;
     }
     let by = if model.contact.nodes.is_empty() { "nothing holds" } else { "only contact can hold" };
     for motion in &model.constraints.rigid_motions {
-        tell!("NOT HELD     {by} {}", motion.against(&model.units()));
+        row!("NOT HELD     {by} {}", motion.against(&model.units()));
     }
 }
 
 fn theorem(model: &Model) {
     let conditions = Conditions::of(&model.problem);
     if conditions.hold() {
-        tell!(
+        row!(
             "theorem 3    holds: (a) every rigid motion moves a node towards an obstacle; (b) contact rows independent"
         );
         return;
     }
     let mut label = "theorem 3";
     if let Some(motion) = conditions.leaving.as_deref().and_then(|weights| named(model, weights)) {
-        tell!(
+        row!(
             "{label:<12} (a) violated: {} moves no node towards an obstacle, so the loads must prevent it; or add a \
              support",
             motion.describe(&model.units())
@@ -352,7 +352,7 @@ fn theorem(model: &Model) {
             0 => String::new(),
             n => format!(" (and at {n} more)"),
         };
-        tell!(
+        row!(
             "{label:<12} (b) violated: the contact rows at {place}{others} depend on each other, so the contact \
              forces there are not unique; a run finds those that keep their friction and have the smallest pressures"
         );
@@ -373,7 +373,7 @@ fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
             model = tightening(&scene)?;
         }
         if let Some(motion) = driven(&model, time).map_err(history::Error::from)? {
-            tell!(
+            row!(
                 "NO BALANCE   first at t = {} s: the loads drive {}, and no contact force within the friction \
                  limit resists; change the loads or add a support",
                 six_digits(time),
@@ -386,7 +386,7 @@ fn equilibrium(scene: &Scene, model: Model) -> Result<(), RunError> {
         }
     }
     if let Some(motion) = rubbing {
-        tell!(
+        row!(
             "FRICTION     alone holds {}, against the loads: if it suffices depends on pressures that interference, bolts or \
              other bodies cause, so that only a run tells",
             motion.against(&model.units())

@@ -15,9 +15,8 @@ use super::{ExitStatus, Failure, Invocation, SceneArgs, interrupt};
 pub(super) struct ConvergeArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The quantity: peak (largest contact pressure), force (largest contact force), tangential (largest tangential force
-    /// of a contact), friction_work, stick_ratio, or any
-    /// number as in sweep --table
+    /// The quantity: peak (largest contact pressure), force (largest contact force), tangential (largest tangential
+    /// force of a contact), friction_work, stick_ratio, or any number as in sweep --table
     #[arg(long = "for", value_name = "QUANTITY")]
     sought: TableQuantity,
     /// The share to which it is to be known, e.g. 0.02 for 2 %
@@ -35,7 +34,7 @@ pub(super) struct ConvergeArgs {
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(3..))]
     max_runs: u16,
     /// Largest time of the whole study: a run that is predicted to exceed it is not started
-    #[arg(long, value_name = "SECONDS", default_value_t = 600.0)]
+    #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
     within: f64,
     /// Write the table (converge.csv), all results (converge.json) and the chart (converge.svg) into this folder
     #[arg(long, value_name = "DIR")]
@@ -51,6 +50,11 @@ fn share(text: &str) -> Result<f64, String> {
         Ok(x) if x > 0.0 && x < 100.0 => Err(format!("not a number between 0 and 1; give {} for {x} %", x / 100.0)),
         _ => Err("not a number between 0 and 1".to_string()),
     }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds: &f64| seconds.is_finite() && *seconds > 0.0);
+    seconds.ok_or_else(|| "give a number of seconds above 0".to_string())
 }
 
 fn ratio(text: &str) -> Result<f64, String> {

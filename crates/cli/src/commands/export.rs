@@ -97,7 +97,7 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     write(&args.out, &file)?;
     let problem = &file.problem;
     say!("{}", file.info.title.as_deref().unwrap_or_default());
-    tell!(
+    row!(
         "problem      {}, {} contacts, {} unknowns of the body",
         problem.form(),
         problem.contacts(),
@@ -107,6 +107,6 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
     if record.status == Status::Converged {
         return Ok(ExitStatus::Success);
     }
-    tell!("verdict      {}: the file has the problem without a solution", record.status);
+    row!("verdict      {}: the file has the problem without a solution", record.status);
     Ok(ExitStatus::NotConverged)
 }

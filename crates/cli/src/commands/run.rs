@@ -96,7 +96,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
     ranks::check(stickslip::algebra::linear::rank_count(), scene.solver.linear)?;
     if args.is_verbose() {
         say!("{}", scene.title);
-        tell!("set-up       mesh, stiffness, contact");
+        row!("set-up       mesh, stiffness, contact");
     }
     let origin = origin(&scene)?;
     let claim =
@@ -159,7 +159,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
         if let Some(critical) = report.critical_friction.as_ref().filter(|critical| !lost || critical.slipping > 0) {
             let (model, end) = (run.model(), run.times().last().copied().unwrap_or_default());
             let mu = model.loading.friction().map_or(model.problem.mu().to_vec(), |friction| friction.at(end));
-            tell!("uniqueness   {}", uniqueness::explain(critical, &mu));
+            row!("uniqueness   {}", uniqueness::explain(critical, &mu));
         }
         summary::print_results(&scene, &report, run.times().len(), args.is_verbose());
         match &folder {
@@ -167,7 +167,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
                 let before = if is_written { "" } else { ": those of the earlier run, because this one has none" };
                 say!("results      {}{before}", folder.path().display());
                 if let Some(now) = folder.moved_to() {
-                    tell!("warning      the folder with the results was moved during the run to {}", now.display());
+                    row!("warning      the folder with the results was moved during the run to {}", now.display());
                 }
             }
             None => say!("results      not written: --out FOLDER writes them"),
@@ -184,7 +184,7 @@ pub(super) fn run(args: &RunArgs, count: usize) -> Result<ExitStatus, Failure> {
 fn prepared<'a>(args: &RunArgs, scene: &'a Scene, count: usize, left: Option<Checkpoint>) -> Result<Run<'a>, Failure> {
     let mut prepare = |model: &Model| {
         if scene.refine.is_some() && args.is_verbose() {
-            tell!("set-up       {} nodes", model.mesh.nodes.len());
+            row!("set-up       {} nodes", model.mesh.nodes.len());
         }
         threads::share_with_the_blas(model, count);
     };

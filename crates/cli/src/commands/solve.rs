@@ -116,9 +116,9 @@ fn head(name: &str, file: &ProblemFile) {
     let unknowns =
         if problem.unknowns() > 0 { format!(", {} unknowns of bodies", problem.unknowns()) } else { String::new() };
     let space = if problem.dimension() == 2 { "in the plane" } else { "in space" };
-    tell!("problem      {}, {} contacts {space}{unknowns}", problem.form(), problem.contacts());
+    row!("problem      {}, {} contacts {space}{unknowns}", problem.form(), problem.contacts());
     if let Some(description) = &file.info.description {
-        tell!("             {}", description.replace('\n', " "));
+        row!("             {}", description.replace('\n', " "));
     }
 }
 
@@ -128,10 +128,10 @@ fn print_report(report: &ProblemReport, json: bool) -> Result<(), Failure> {
         return Ok(());
     }
     for warning in &report.warnings {
-        tell!("warning      {warning}");
+        row!("warning      {warning}");
     }
     for stage in &report.stages {
-        tell!("stage        {}: {} iterations, residual {:.1e}", stage.stage, stage.iterations, stage.residual);
+        row!("stage        {}: {} iterations, residual {:.1e}", stage.stage, stage.iterations, stage.residual);
     }
     let mut laws = Table::new(&["error", "law"]);
     let mut violated = Vec::new();
@@ -143,15 +143,15 @@ fn print_report(report: &ProblemReport, json: bool) -> Result<(), Failure> {
     }
     say!("{}", laws.to_string().trim_end());
     let verdict = if report.status == Verdict::Solved { "solved" } else { "not solved" };
-    tell!("verdict      {verdict}: residual {:.1e} (tolerance {TOLERANCE:.0e})", report.residual);
+    row!("verdict      {verdict}: residual {:.1e} (tolerance {TOLERANCE:.0e})", report.residual);
     for violation in violated {
-        tell!("             {violation}");
+        row!("             {violation}");
     }
     if report.status != Verdict::Solved && report.contacts > 0 {
-        tell!("             the worst contact has number {}, from 0", report.errors.contact);
+        row!("             the worst contact has number {}, from 0", report.errors.contact);
     }
     if !report.stages.is_empty() {
-        tell!("time         {:.3} s CPU", report.cpu_seconds);
+        row!("time         {:.3} s CPU", report.cpu_seconds);
     }
     Ok(())
 }

@@ -7,8 +7,8 @@ use stickslip::scene::{Override, Scene};
 
 use crate::study::{MeshChoice, MeshSize, StudyError, each, first_elements, multiplied};
 
-/// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless all numbers
-/// stay whole.
+/// Coarser meshes than the scene's have at least this number of elements along each axis and segment, unless all
+/// numbers stay whole.
 const LEAST_ELEMENTS: f64 = 8.0;
 
 /// The largest number of meshes coarser than the scene's, and the number of those that count as coarse if meshes refine
@@ -32,9 +32,9 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// Returns the meshes `named`; without names, those to which the mesh of `scene` refines itself, if it can, or those
-    /// with all numbers of elements times powers of `ratio`, which begin up to two steps below the mesh of the scene.
-    /// Increments begin with half of those of the scene, if that is a whole number and not too few.
+    /// Returns the meshes `named`; without names, those to which the mesh of `scene` refines itself, if it can, or
+    /// those with all numbers of elements times powers of `ratio`, which begin up to two steps below the mesh of the
+    /// scene. Increments begin with half of those of the scene, if that is a whole number and not too few.
     ///
     /// # Errors
     /// When the scene has no meshes of this kind, and when its mesh cannot be built.
@@ -88,8 +88,8 @@ impl Ladder {
         }
     }
 
-    /// Returns `true` if mesh `level` is coarser than the scene's, is one of the first that refine themselves, or one of the named
-    /// that has a finer one.
+    /// Returns `true` if mesh `level` is coarser than the scene's, is one of the first that refine themselves, or one
+    /// of the named that has a finer one.
     pub fn is_coarse(&self, level: usize) -> bool {
         let first = if self.refines_itself { -COARSER } else { self.first };
         self.meshes().map_or(first + (level as i32) < 0, |number| level + 1 < number)
@@ -100,8 +100,8 @@ impl Ladder {
         MeshChoice::from(self.size(level)).overrides(&scene.description.mesh)
     }
 
-    /// Returns the factor by which the next mesh after `level` has more elements along an axis; `None` if there is none,
-    /// or its size is not known before it is read.
+    /// Returns the factor by which the next mesh after `level` has more elements along an axis; `None` if there is
+    /// none, or its size is not known before it is read.
     pub fn growth(&self, level: usize) -> Option<f64> {
         match (self.named.get(level), self.named.get(level + 1)) {
             _ if self.named.is_empty() => Some(self.ratio),

@@ -199,6 +199,10 @@ pub(super) fn refine(
             Err(error) => return Err(error),
         }
         if let Some(failure) = steps.last().and_then(|step| step.failure.clone()) {
+            // The runs before one that was interrupted tell what is known.
+            if failure.0 == Verdict::Interrupted && steps.len() > 1 {
+                steps.pop();
+            }
             break failure;
         }
         let found = errors(&steps);
@@ -410,6 +414,12 @@ mod tests {
             },
         );
         assert_eq!((result.verdict, result.steps.len()), (Verdict::NotConverged, 2));
+        let stopped = |run: &mut Step, h: f64| {
+            run.failure = (h < 0.3).then(|| (Verdict::Interrupted, "interrupted".into()));
+        };
+        let result = study(1e-6, |h, _| 1.0 + 0.1 * h, stopped);
+        assert_eq!((result.verdict, result.steps.last().unwrap().level), (Verdict::Interrupted, 1));
+        assert!(result.errors.unwrap().of_mesh().is_some());
     }
 
     #[test]

@@ -9,8 +9,9 @@ const MAX_CURVES: usize = 16;
 
 impl Sweep {
     /// Plots [`Sweep::plotted`] of each variant that converged, or slips and is marked; without it the largest contact
-    /// pressure, or the iterations if nothing touches. The abscissa is the first key whose values are all numbers, with a curve for each combination of
-    /// the other keys. Without such a key, it is the position in the list of the first key's values.
+    /// pressure, or the iterations if nothing touches. The abscissa is the first key whose values are all numbers, with
+    /// a curve for each combination of the other keys. Without such a key, it is the position in the list of the first
+    /// key's values.
     pub fn chart(&self) -> Chart {
         // A list of one number is a number.
         let number = |value: &String| {

@@ -31,7 +31,7 @@ impl Left {
         }
         let Some((checkpoint, earlier, KeptSolver { name, reason }, ended)) = lock.earlier_run() else {
             if args.results.resume && !args.printed.json {
-                tell!("resume       no earlier run was found: a new run begins");
+                row!("resume       no earlier run was found: a new run begins");
             }
             return Ok(None);
         };
@@ -60,7 +60,7 @@ impl Left {
             return Ok(Some(Left::Ended(status)));
         }
         if !args.printed.json {
-            tell!("resume       after {} increments, at t = {} s", checkpoint.increments(), checkpoint.time());
+            row!("resume       after {} increments, at t = {} s", checkpoint.increments(), checkpoint.time());
         }
         Ok(Some(Left::Underway { checkpoint: checkpoint.clone(), linear, reason: reason.clone() }))
     }
@@ -71,7 +71,7 @@ pub(super) fn told_again(claim: &LockedOutputDir, args: &RunArgs, status: Status
     if args.printed.json {
         print(claim.report().map_err(|error| unreadable(&error))?)?;
     } else {
-        tell!("resume       nothing to do: the run here is complete");
+        row!("resume       nothing to do: the run here is complete");
         say!("\nverdict      {status}\nresults      {}", claim.path().display());
     }
     Ok(if status == Status::Converged { ExitStatus::Success } else { ExitStatus::NotConverged })

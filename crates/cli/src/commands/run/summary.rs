@@ -32,7 +32,7 @@ pub(super) fn print_head(scene: &Scene, run: &Run<'_>, is_verbose: bool) {
     let of_blas = Blas::loaded().as_ref().and_then(Warning::of_blas);
     print_warnings(&of_model.chain(of_blas).collect::<Vec<_>>());
     if is_verbose {
-        tell!("set-up       symbolic analysis");
+        row!("set-up       symbolic analysis");
     }
 }
 
@@ -52,23 +52,23 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
         let how = run.coarser_meshes().first().map_or(format!("not refined: {nodes} nodes are enough"), |first| {
             format!("refined {times} times, from {} to {nodes} nodes,", first.nodes)
         });
-        tell!("mesh         {how} for an error of {} %", six_digits(100.0 * asked));
+        row!("mesh         {how} for an error of {} %", six_digits(100.0 * asked));
     }
-    tell!("method       {}, setting {}", method.name(), method.setting());
+    row!("method       {}, setting {}", method.name(), method.setting());
     if let Some(reason) = &choice.reason {
-        tell!("solver       {reason}");
+        row!("solver       {reason}");
     }
     let total: usize = blocks.iter().map(|(count, _)| count).sum();
     let Time { increments, kinks, .. } = &scene.time;
     if !kinks.is_empty() {
         let fewer = if kinks.len() > *increments { "; histories with fewer points have fewer" } else { "" };
-        tell!("increments   {increments} equal ones, and {} more to end at kinks of histories{fewer}", kinks.len());
+        row!("increments   {increments} equal ones, and {} more to end at kinks of histories{fewer}", kinks.len());
     }
-    tell!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
+    row!("unknowns     {total} = {}{reduced}", present.collect::<Vec<_>>().join(" + "));
     let condenses = choice.linear.condenses();
     let left_out = EliminatedUnknown::all(model, condenses, run.working_set().filter(|_| condenses));
     for (k, EliminatedUnknown { count, unknown, reason }) in left_out.iter().enumerate() {
-        tell!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
+        row!("{:<12} {count} {unknown} {reason}", if k == 0 { "left out" } else { "" });
     }
 }
 
@@ -78,9 +78,9 @@ pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item =
     let mut cures = Vec::new();
     for Warning { kind, message, .. } in warnings {
         let (finding, cure) = message.rsplit_once("; ").unwrap_or((message, ""));
-        tell!("warning      {}: {finding}", kind.name);
+        row!("warning      {}: {finding}", kind.name);
         if !cure.is_empty() && !cures.contains(&cure) {
-            tell!("             {cure}");
+            row!("             {cure}");
             cures.push(cure);
         }
     }
@@ -90,13 +90,13 @@ pub(in crate::commands) fn print_warnings<'a>(warnings: impl IntoIterator<Item =
 pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize, is_verbose: bool) {
     let has_results = report.totals.converged > 0;
     if is_verbose {
-        tell!("");
+        row!("");
         if has_results {
             print_forces(scene, report);
             print_estimates(scene, report);
             let (law, error) = report.totals.kkt.worst();
             let backward = report.totals.backward_error;
-            tell!("laws         error {error:.1e} at most ({law}); backward error of the solves {backward:.1e}");
+            row!("laws         error {error:.1e} at most ({law}); backward error of the solves {backward:.1e}");
         }
         print_work(report);
     }
@@ -106,14 +106,14 @@ pub(super) fn print_results(scene: &Scene, report: &RunReport, increments: usize
 
 /// Prints the largest results, the verdict and its reason.
 fn print_verdict(report: &RunReport, increments: usize, has_results: bool) {
-    tell!("");
+    row!("");
     if has_results {
         print_largest(report);
     }
     let totals = &report.totals;
-    tell!("verdict      {}, {} of {increments} increments", report.status, totals.converged);
+    row!("verdict      {}, {} of {increments} increments", report.status, totals.converged);
     if !report.explanation.reason.is_empty() {
-        tell!("             {}", report.explanation.reason);
+        row!("             {}", report.explanation.reason);
     }
 }
 
@@ -139,27 +139,27 @@ fn print_forces(scene: &Scene, report: &RunReport) {
     {
         let names = if sum_p_o.is_some() { "p_n, p_t, p_o" } else { "p_n, p_t" };
         let sums: Vec<f64> = [*sum_p_n, *sum_p_t].into_iter().chain(*sum_p_o).collect();
-        tell!("contact      {boundary}: sums of {names} {}", vector(&sums));
+        row!("contact      {boundary}: sums of {names} {}", vector(&sums));
         let on = opposite.as_ref().map_or("the obstacle", |of| of.boundary.as_str());
-        tell!("             force on {on} {}", vector(force));
+        row!("             force on {on} {}", vector(force));
         for on in obstacles {
-            tell!("             {} of it on {}", vector(&on.force), on.obstacle);
+            row!("             {} of it on {}", vector(&on.force), on.obstacle);
         }
     }
     if let Some(BalanceRecord { supports, springs, couplings, pretensions, balance, .. }) = &report.last_reactions {
         for (kind, AppliedForce { at, force, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
-            tell!("{kind:<12} {at}: {} on the body", vector(force));
+            row!("{kind:<12} {at}: {} on the body", vector(force));
         }
         for PointRecord { at, force, moment, displacement, rotation } in couplings {
             let length = report.largest_displacement.as_ref().map_or(0.0, |largest| largest.length);
             let moved = units.rounded_vector(Quantity::Length, &without_rounding(displacement, length), DIGITS);
             let turned = without_rounding(rotation, 1.0).into_iter().map(|angle| six_digits(angle).to_string());
             let turned: Vec<String> = turned.collect();
-            tell!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
+            row!("coupling     {at}: moved by {moved}, turned by ({}) rad", turned.join(", "));
             let moment = units.rounded_vector(Quantity::Moment, moment, FORCE_DIGITS);
-            tell!("             {} and {moment} on the body", vector(force));
+            row!("             {} and {moment} on the body", vector(force));
         }
         for SectionRecord { at, normal_force, shortening, .. } in pretensions {
             let force = units.rounded(Quantity::Force, *normal_force, FORCE_DIGITS);
@@ -167,9 +167,9 @@ fn print_forces(scene: &Scene, report: &RunReport) {
             let periodic =
                 |pretension: &Pretension| pretension.name == *at && scene.description.is_periodic(&pretension.boundary);
             let how = if scene.description.pretensions.iter().any(periodic) { "elongated" } else { "shortened" };
-            tell!("pretension   {at}: {force} across the section, {how} by {shortening}");
+            row!("pretension   {at}: {force} across the section, {how} by {shortening}");
         }
-        tell!("balance      the forces on the body balance to {balance:.1e} of their sizes");
+        row!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
 }
 
@@ -177,7 +177,7 @@ fn print_forces(scene: &Scene, report: &RunReport) {
 fn print_largest(report: &RunReport) {
     let units = &report.units;
     if let Some(largest) = &report.largest_displacement {
-        tell!(
+        row!(
             "displacement {} at most, at t = {} s",
             units.rounded(Quantity::Length, largest.length, DIGITS),
             six_digits(largest.time)
@@ -199,12 +199,12 @@ fn print_largest(report: &RunReport) {
     if let Some(LargestForce { boundary, magnitude, time, mesh_error, given, .. }) = &report.largest_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
         let error = of_mesh(*mesh_error, *given);
-        tell!("force        {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
+        row!("force        {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
     }
     if let Some(HoldingForce { boundary, magnitude, time, mesh_error, given, time_error, .. }) = &report.holding_force {
         let force = units.rounded(Quantity::Force, *magnitude, DIGITS);
         let error = format!("{}{}", of_mesh(*mesh_error, *given), of_increments(*time_error));
-        tell!("tangential   {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
+        row!("tangential   {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
     }
     if let Some(FrictionResult { friction_work, time_error, .. }) = report.friction {
         let energy = |work: f64| units.rounded(Quantity::Energy, work, DIGITS);
@@ -216,11 +216,11 @@ fn print_largest(report: &RunReport) {
             }
             error => of_increments(error),
         };
-        tell!("friction     work {}, error of the mesh unknown{of_steps}", energy(friction_work));
+        row!("friction     work {}, error of the mesh unknown{of_steps}", energy(friction_work));
     }
     let partial = report.stick_zone.as_ref().filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0);
     if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = partial {
-        tell!(
+        row!(
             "stick zone   {ratio:.2} ± {} of the contact width on `{boundary}`, at t = {} s",
             units.rounded(Quantity::Number, *uncertainty, 1),
             six_digits(*time)
@@ -243,11 +243,11 @@ fn print_largest(report: &RunReport) {
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
         (Some(of), Some(pressure)) => {
             let of = if *of == PeakOf::Patches { " on a node with its neighbours" } else { "" };
-            tell!("pressure     {pressure} at most{of}, {error}{across}");
+            row!("pressure     {pressure} at most{of}, {error}{across}");
         }
-        _ => tell!("pressure     too few tetrahedra across the contact for a peak"),
+        _ => row!("pressure     too few tetrahedra across the contact for a peak"),
     }
-    tell!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
+    row!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
 }
 
 /// Prints the results of a load cycle.
@@ -262,7 +262,7 @@ fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
         more => format!(", {} more than in the cycle before", percent(more)),
     });
     let ends = [cycle.start, cycle.end].map(six_digits);
-    tell!("cycle        t = {} to {} s: {}{work}{change}", ends[0], ends[1], cycle.regime.name());
+    row!("cycle        t = {} to {} s: {}{work}{change}", ends[0], ends[1], cycle.regime.name());
 }
 
 /// Formats a share in percent, with two digits if it is small.
@@ -281,7 +281,7 @@ fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
 fn print_estimates(scene: &Scene, report: &RunReport) {
     if let Some(error) = report.estimates.discretisation {
         let asked = |asked| format!("; mesh.refine asks for {} %", six_digits(100.0 * asked));
-        tell!(
+        row!(
             "mesh error   about {:.1} % in the energy norm{}",
             100.0 * error,
             scene.refine.map_or(String::new(), asked)
@@ -291,10 +291,10 @@ fn print_estimates(scene: &Scene, report: &RunReport) {
     let force_error = report.estimates.increments.filter(slips).and_then(|found| found.force_error);
     if let Some(error) = force_error.filter(|e| *e > 0.0) {
         let size = if error > 1.0 { "unknown".to_string() } else { format!("about {:.1} %", 100.0 * error) };
-        tell!("time steps   error of the tangential forces {size}");
+        row!("time steps   error of the tangential forces {size}");
     }
     if let Some(error) = report.estimates.start {
-        tell!(
+        row!(
             "time steps   what acts at t = 0 leaves an error of the friction forces of {:.1} %, by solving the first increments \
              again",
             100.0 * error
@@ -319,19 +319,19 @@ fn print_work(report: &RunReport) {
             totals.nnz_factors
         ),
     };
-    tell!("work         {}, {linear}", counted(totals.iterations, "iteration", "iterations"));
+    row!("work         {}, {linear}", counted(totals.iterations, "iteration", "iterations"));
     if let Some(WorkingSet { first, last, all, grown }) = report.working_set {
         let then = match grown {
             0 => String::new(),
             1 => format!(" at first, {last} after it grew once"),
             _ => format!(" at first, {last} after it grew {grown} times"),
         };
-        tell!("working set  {first} of {all} contact nodes{then}");
+        row!("working set  {first} of {all} contact nodes{then}");
     }
     let memory = totals.peak_rss_bytes.map_or(String::new(), |bytes| format!(", {:.0} MB", bytes as f64 * 1e-6));
-    tell!("time         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
+    row!("time         {:.2} s ({:.2} s CPU){memory}", totals.wall_seconds, totals.cpu_seconds);
     for RankRecord { rank, cpu_seconds, peak_rss_bytes } in &totals.ranks {
-        tell!("rank {rank:<8}{cpu_seconds:.2} s CPU, {:.0} MB", *peak_rss_bytes as f64 * 1e-6);
+        row!("rank {rank:<8}{cpu_seconds:.2} s CPU, {:.0} MB", *peak_rss_bytes as f64 * 1e-6);
     }
 }
 
