@@ -195,7 +195,7 @@ impl IncrementDriver<'_> {
             let from = self.history.reached.unwrap_or(0.0);
             let rollback = self.rollback();
             let (mut substep, input) = self.substep(end, linear, &mut |iteration| progress.iteration(iteration))?;
-            let is_solved = substep.status == Status::Converged;
+            let mut is_solved = substep.status == Status::Converged;
             let mut touch = None;
             if is_solved {
                 self.history.friction = self.friction_with(&substep);
@@ -206,6 +206,9 @@ impl IncrementDriver<'_> {
                 if let Some((share, found)) =
                     self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?
                 {
+                    if found.stop == Termination::Interrupted {
+                        (substep.status, is_solved) = (Status::Interrupted, false);
+                    }
                     substep.solved = found.then(substep.solved);
                     touch = share.map(|share| from + share * (end - from));
                     touch = touch.filter(|touch| touch - from > NEAREST * length && *touch < end);
@@ -235,7 +238,7 @@ impl IncrementDriver<'_> {
                 self.history.errors = rollback.errors.zip(self.body.nodes().map(<[usize]>::to_vec));
                 self.history.in_progress = Some(so_far);
                 return Ok(IncrementEnd::NeedsNodes(nodes));
-            } else if divided {
+            } else if divided && substep.status != Status::Interrupted {
                 // The whole substep has a solution, but a part of it has none.
                 self.go_back(rollback);
                 so_far.pending = vec![time];
@@ -369,7 +372,10 @@ impl IncrementDriver<'_> {
         let (method, problem, scaling) = (method.as_mut(), self.body.solved().0, self.settings.scaling);
         let mut contact = Linearized { method, linear, problem, scaling, change: Vec::new() };
         let (data, tolerance) = (Increment { force, gap, mu, w_t_last, w_o_last }, self.settings.tolerance);
-        let recovered = self.body.refined(recovered, (&data, scales, tolerance), &mut contact)?;
+        let recovered = match outcome.stop {
+            Termination::Interrupted => recovered,
+            _ => self.body.refined(recovered, (&data, scales, tolerance), &mut contact)?,
+        };
         let RecoveredState { state, backward_error, .. } = recovered;
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
