@@ -95,7 +95,7 @@ CASES = [
     dict(name="Cattaneo and Mindlin", scene="data/scenes/cattaneo_mindlin.toml", sets=MINDLIN,
          uniform=blocks("[[{},{},{}],{}]", (4, 8, 4, 6)), refine=[0.2, 0.1, 0.05, 0.025], truth=0.006,
          quantities=["force", "peak", "friction_work"]),
-    dict(name="rounded punch", scene=PUNCH, sets=["mesh.cells=triangle", "mesh.grading=1"],
+    dict(name="rounded punch", scene=PUNCH, sets=["mesh.cells=triangle", "mesh.grading=[[1,1,1],1]"],
          uniform=blocks("[[{},{},{}],{}]", (3, 4, 9, 8)), refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.008,
          quantities=["force", "peak", "friction_work"]),
     dict(name="press fit", scene="data/tutorials/press-fit.toml", sets=FIT, uniform=[
@@ -105,7 +105,7 @@ CASES = [
          [f"body[0].mesh.elements=[[{12 * k},{3 * k},{3 * k},{3 * k}],{2 * k}]",
           f"body[1].mesh.elements=[[{3 * k},{3 * k},{3 * k},{12 * k}],{2 * k}]"] for k in (1, 2, 4, 8, 16)],
          refine=[0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "friction_work"]),
-    dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=1"],
+    dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=[[1,1],[1,1],1]"],
          uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:4], refine=[0.5, 0.35, 0.25, 0.17], truth=0.1,
          quantities=["force", "peak"]),
     dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.525],

@@ -1,8 +1,8 @@
-//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are divided, and
-//! so on until the error of the mesh is expected to be as small as asked for.
+//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are halved, and so
+//! on until the error of the mesh is expected to be as small as asked for.
 //!
-//! The cells with half of the squared error `η²` of [`DiscretisationError`] are divided (bulk marking of Dörfler, SIAM
-//! J. Numer. Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to
+//! The cells with half of the squared error `η²` of [`DiscretisationError`] get half their size (Dörfler, SIAM J. Numer.
+//! Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to
 //! the energy of all bodies; the error that is to become small is the largest of a body at one time, relative to its
 //! own energy. Errors are largest at the ends of contact zones and at corners, so that most cells are there.
 //!
@@ -31,7 +31,7 @@ const MAX_MESHES: usize = 60;
 
 /// The error is out of reach if so many meshes reduce it by less than a tenth, as beside a force at a point, where the
 /// energy of finer and finer meshes grows without a limit.
-const STAGNANT: (usize, f64) = (8, 0.9);
+const STAGNANT: (usize, f64) = (6, 0.9);
 
 /// A mesh on which a history was solved before that of the run.
 #[derive(Debug, Clone, PartialEq, Serialize, JsonSchema)]
@@ -65,7 +65,6 @@ struct MeshErrors {
     squares: Vec<f64>,
     /// The power of the size of elements with which errors of smooth stresses fall.
     order: f64,
-    dimension: f64,
 }
 
 impl Refinement {
@@ -131,14 +130,14 @@ impl Refinement {
         for _ in 0..MAX_MESHES {
             let (meshes, share) = STAGNANT;
             let before = self.meshes.len().checked_sub(meshes).map(|k| share * self.meshes[k].error);
-            let Some(MeshErrors { mesh, order, dimension, .. }) = self.errors(prepare, observer)? else {
+            let Some(MeshErrors { mesh, order, .. }) = self.errors(prepare, observer)? else {
                 return Ok(());
             };
             if mesh.error <= wanted || before.is_some_and(|before| mesh.error > before) {
                 return Ok(());
             }
-            // Cells of half the volume, where half of the squared error is.
-            let expected = mesh.error * (1.0 - SHARE * (1.0 - 0.5_f64.powf(2.0 * *order / *dimension))).sqrt();
+            // Cells of half the size, where half of the squared error is.
+            let expected = mesh.error * (1.0 - SHARE * (1.0 - 0.25_f64.powf(*order))).sqrt();
             self.divide()?;
             if expected <= wanted {
                 return Ok(());
@@ -211,9 +210,8 @@ impl MeshErrors {
             squares.iter_mut().zip(&own.of_cells).for_each(|(square, share)| *square = square.max(share * share));
         }
         let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
-        let dimension = mesh.dimension as f64;
         let mesh = CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error };
-        Ok((status, MeshErrors { mesh, squares, order, dimension }))
+        Ok((status, MeshErrors { mesh, squares, order }))
     }
 }
 

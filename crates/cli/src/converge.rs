@@ -114,23 +114,25 @@ pub fn compute(
 
 /// Reads the meshes that are named, so that none is found to be wrong after the runs with the coarser ones.
 fn read_named(ladder: &Ladder, own: &Scene) -> Result<(), StudyError> {
-    let mut before = 0.0;
+    let mut before = f64::INFINITY;
     for level in 0..ladder.meshes().unwrap_or(0) {
         let scene = own.with(&ladder.mesh(own, level)).map_err(RunError::from)?;
         let source = &scene.description.mesh;
         let mesh = source.build().map_err(|error| RunError::from(ModelError::from(error)))?;
-        if fineness(&mesh) <= before {
+        let size = size(&mesh);
+        if size >= before {
             return Err(StudyError::NotFiner { mesh: ladder::name(source), elements: mesh.cells.len() });
         }
-        before = fineness(&mesh);
+        before = size;
     }
     Ok(())
 }
 
-/// Returns the number of elements, where one of second order counts as those of first order with its nodes.
-fn fineness(mesh: &Mesh) -> f64 {
+/// Returns the size of elements that are all equal, relative to the body, where one of second order counts as those of
+/// first order with its nodes.
+fn size(mesh: &Mesh) -> f64 {
     let quadratic = mesh.cells.iter().any(|cell| cell.kind.is_quadratic());
-    mesh.cells.len() as f64 * if quadratic { 2.0_f64.powi(mesh.dimension as i32) } else { 1.0 }
+    (mesh.cells.len() as f64).powf(-1.0 / mesh.dimension as f64) * if quadratic { 0.5 } else { 1.0 }
 }
 
 /// The scene of a study on its meshes.
@@ -144,7 +146,9 @@ struct Meshes<'a> {
 
 impl<'a> Meshes<'a> {
     fn new(own: &'a Scene, ladder: &'a Ladder) -> Result<Self, StudyError> {
-        let first = own.with(&[ladder.time(0)]).map_err(RunError::from)?;
+        let mut first = ladder.mesh(own, 0);
+        first.push(ladder.time(0));
+        let first = own.with(&first).map_err(RunError::from)?;
         let refinement = ladder.refines_itself.then(|| Refinement::new(&first)).transpose()?;
         Ok(Meshes { own, ladder, refined: refinement.map(|refinement| (refinement, 0, 0.0)) })
     }
@@ -169,7 +173,8 @@ impl<'a> Meshes<'a> {
             scene.refine = None;
             scene.description.mesh = refinement.scene().description.mesh.clone();
             if mesh > 0 {
-                name = if *error > 0.0 { format!("refine = {error}") } else { format!("{name}, divided") };
+                let first = if self.ladder.is_own(0, &self.own.description.mesh) { String::new() } else { name + ", " };
+                name = if *error > 0.0 { format!("{first}refine = {error}") } else { format!("{first}divided") };
             }
         }
         Ok((scene, name))
@@ -192,8 +197,10 @@ fn solve(
     progress(format!("mesh {name}, {number} increments"));
     let run = Run::new(&scene)?;
     let model = run.model();
-    let (elements, dimension, fineness) = (model.mesh.cells.len(), model.mesh.dimension, fineness(&model.mesh));
-    if steps.last().is_some_and(|step| step.level < mesh && step.fineness >= fineness) {
+    let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
+    // A mesh that refines itself has elements of many sizes, and its error is that of smaller elements.
+    let size = if ladder.refines_itself { ladder.ratio.powi(-(mesh as i32)) } else { size(&model.mesh) };
+    if steps.last().is_some_and(|step| step.level < mesh && step.size <= size) {
         return Err(StudyError::NotFiner { mesh: name, elements });
     }
     let follows_path = model.problem.mu().iter().any(|mu| *mu > 0.0) && !scene.solver.method.is_exact_path();
@@ -221,7 +228,7 @@ fn solve(
         mesh: name,
         is_own_mesh: ladder.is_own(mesh, &own.description.mesh),
         elements,
-        fineness,
+        size,
         dimension,
         increments: number,
         value: value.filter(|_| failure.is_none()),

@@ -32,6 +32,8 @@ struct Simplex {
     facets: [Option<usize>; 4],
     /// The material group.
     group: usize,
+    /// The number of times that it is to be divided.
+    due: usize,
 }
 
 /// A mesh of triangles or of tetrahedra that is refined by bisection.
@@ -74,6 +76,7 @@ impl Simplex {
     /// their places among the corners of a cell of `dimension`.
     fn child(&self, dimension: usize, [kept, dropped]: [usize; 2], middle: usize) -> Simplex {
         let mut child = self.clone();
+        child.due = self.due.saturating_sub(1);
         child.corners[dropped] = middle;
         child.facets[kept] = None;
         let [a, b] = [kept, dropped].map(|k| self.corners[k]);
@@ -138,6 +141,7 @@ impl Bisection {
                 turns: false,
                 facets: std::array::from_fn(|k| by_corners.get(&sorted(&side(k))).copied()),
                 group: cell.group,
+                due: 0,
             }
         };
         let mut curved = HashMap::new();
@@ -161,10 +165,12 @@ impl Bisection {
         })
     }
 
-    /// Divides the cells with these numbers in [`Bisection::mesh`], and others until the mesh conforms.
+    /// Divides the cells with these numbers in [`Bisection::mesh`] until they have half the size, and others until the
+    /// mesh conforms.
     pub fn refine(&mut self, cells: &[usize]) {
         let corners = self.first.dimension + 1;
         let mut middles = HashMap::<Edge, usize>::new();
+        cells.iter().for_each(|&k| self.simplices[k].due = self.first.dimension);
         let mut due = cells.to_vec();
         while !due.is_empty() {
             for k in due {
@@ -180,7 +186,8 @@ impl Bisection {
                 self.simplices.push(second);
             }
             let hangs = |simplex: &Simplex| edges(&simplex.corners[..corners]).any(|edge| middles.contains_key(&edge));
-            due = (0..self.simplices.len()).filter(|&k| hangs(&self.simplices[k])).collect();
+            let is_due = |simplex: &Simplex| simplex.due > 0 || hangs(simplex);
+            due = (0..self.simplices.len()).filter(|&k| is_due(&self.simplices[k])).collect();
         }
     }
 

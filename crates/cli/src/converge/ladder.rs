@@ -23,7 +23,7 @@ const LEAST_INCREMENTS: usize = 4;
 pub struct Ladder {
     /// Meshes named by the user; if there are none, the elements of the scene times powers of `ratio`, from `first` on.
     named: Vec<MeshSize>,
-    /// `true` if none are named and the mesh of the scene can refine itself; it is the first one then.
+    /// `true` if none are named and the first mesh can refine itself; finer ones follow from it then.
     pub(super) refines_itself: bool,
     pub(super) ratio: f64,
     first: i32,
@@ -32,9 +32,8 @@ pub struct Ladder {
 }
 
 impl Ladder {
-    /// Returns the meshes `named`; without names, those to which the mesh of `scene` refines itself, if it can, or
-    /// those with all numbers of elements times powers of `ratio`, which begin up to two steps below the mesh of the
-    /// scene. Increments begin with half of those of the scene, if that is a whole number and not too few.
+    /// Returns the meshes `named`; without names, those with all numbers of elements times powers of `ratio`, which begin
+    /// up to two steps below the mesh of `scene`, or those to which the first of these refines itself, if it can. Increments begin with half of those of the scene, if that is a whole number and not too few.
     ///
     /// # Errors
     /// When the scene has no meshes of this kind, and when its mesh cannot be built.
@@ -48,11 +47,12 @@ impl Ladder {
             true => Vec::new(),
             false => each(mesh, &choices)?.into_iter().map(|choice| choice.size).collect(),
         };
-        let halves = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step))).count() as i32;
-        let coarser = if refines_itself { 0 } else { halves };
+        // Refinement begins where the contact is seen.
+        let least = if refines_itself { LEAST_ELEMENTS } else { 1.0 };
+        let halves = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step), least)).count() as i32;
         let own = scene.time.increments;
         let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
-        Ok(Ladder { named, refines_itself, ratio, first: -coarser, first_increments })
+        Ok(Ladder { named, refines_itself, ratio, first: -halves, first_increments })
     }
 
     /// Returns the number of meshes; `None` for any number.
@@ -71,9 +71,10 @@ impl Ladder {
     }
 
     fn size(&self, level: usize) -> MeshSize {
-        match (self.named.get(level), self.first + level as i32) {
+        let steps = if self.refines_itself { 0 } else { level as i32 };
+        match (self.named.get(level), self.first + steps) {
             (Some(named), _) => named.clone(),
-            (None, power) if power == 0 || self.refines_itself => MeshSize::Own,
+            (None, 0) => MeshSize::Own,
             (None, power) => MeshSize::Times(self.ratio.powi(power)),
         }
     }
@@ -123,12 +124,15 @@ fn counts(mesh: &MeshSource) -> Vec<usize> {
     }
 }
 
-/// Returns `true` if the mesh with all numbers times `share` is similar: rounding hardly changes the proportions.
-fn is_halved(mesh: &MeshSource, share: f64) -> bool {
-    counts(mesh).into_iter().all(|count| {
-        let exact = share * count as f64;
-        exact >= LEAST_ELEMENTS || (exact >= 1.0 && (exact - exact.round()).abs() < 1e-9)
-    })
+/// Returns `true` if the mesh with all numbers times `share`, of which none is below `least`, is similar: rounding hardly
+/// changes the proportions.
+fn is_halved(mesh: &MeshSource, share: f64, least: f64) -> bool {
+    let counts = counts(mesh);
+    let is_similar = |count: &usize| {
+        let exact = share * *count as f64;
+        exact >= LEAST_ELEMENTS || (exact >= least && (exact - exact.round()).abs() < 1e-9)
+    };
+    !counts.is_empty() && counts.iter().all(is_similar)
 }
 
 /// Names a mesh by its numbers of elements, as in the scene: `[80, 40]`.

@@ -47,8 +47,8 @@ pub struct Step {
     pub is_own_mesh: bool,
     /// The number of elements.
     pub elements: usize,
-    /// The number of elements, where one of second order counts as those of first order with its nodes.
-    pub fineness: f64,
+    /// The size of the elements, relative to one that all meshes have in common.
+    pub size: f64,
     /// The dimension of the mesh.
     pub dimension: usize,
     /// The number of increments.
@@ -149,9 +149,7 @@ pub(super) fn series(steps: &[Step], of_mesh: bool, resolved: bool) -> Series {
     let usable = |step: &Step| step.value.filter(|_| !resolved || step.is_resolved);
     let Some(last) = steps.len().checked_sub(1) else { return series };
     let Some(mut value) = usable(&steps[last]) else { return series };
-    let size = |step: &Step| {
-        if of_mesh { step.fineness.powf(-1.0 / step.dimension.max(1) as f64) } else { 1.0 / step.increments as f64 }
-    };
+    let size = |step: &Step| if of_mesh { step.size } else { 1.0 / step.increments as f64 };
     let mut points = vec![(size(&steps[last]), value, last)];
     for (k, pair) in steps.windows(2).enumerate().rev() {
         let (Some(before), Some(after)) = (usable(&pair[0]), usable(&pair[1])) else { break };
@@ -301,7 +299,7 @@ fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
     }
     let shares = errors.and_then(|errors| Some((errors.of_mesh()?, errors.of_increments()?)));
     match shares {
-        Some((of_mesh, of_increments)) if meshes >= MESHES && of_increments > of_mesh => Refined::Increments,
+        Some((of_mesh, of_increments)) if of_increments > of_mesh => Refined::Increments,
         _ => Refined::Mesh,
     }
 }
@@ -314,8 +312,8 @@ fn predict(steps: &[Step], next: Refined, growth: Option<f64>) -> Option<f64> {
         return Some(2.0 * last.seconds);
     }
     let cost = |run: &Step| run.seconds / run.increments as f64;
-    let before = steps.iter().rev().find(|run| run.fineness < last.fineness);
-    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.fineness / run.fineness).ln());
+    let before = steps.iter().rev().find(|run| run.size > last.size);
+    let measured = before.map(|run| (cost(last) / cost(run)).ln() / (last.elements as f64 / run.elements as f64).ln());
     let [least, usual, most] = GROWTH_OF_TIME;
     let exponent = measured.filter(|exponent| exponent.is_finite()).unwrap_or(usual).clamp(least, most);
     Some(last.seconds * growth?.powi(last.dimension as i32).powf(exponent))
@@ -339,7 +337,7 @@ mod tests {
             let mut run = Step {
                 level: mesh,
                 elements: 4 << (2 * mesh),
-                fineness: 4.0 / (h * h),
+                size: h,
                 dimension: 2,
                 increments: ladder.increments(level),
                 value: Some(value(h, k)),
