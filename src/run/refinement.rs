@@ -130,14 +130,13 @@ impl Refinement {
         for _ in 0..MAX_MESHES {
             let (meshes, share) = STAGNANT;
             let before = self.meshes.len().checked_sub(meshes).map(|k| share * self.meshes[k].error);
-            let Some(MeshErrors { mesh, order, .. }) = self.errors(prepare, observer)? else {
-                return Ok(());
-            };
+            let last = self.meshes.last().map(|mesh| mesh.error);
+            let Some(MeshErrors { mesh, .. }) = self.errors(prepare, observer)? else { return Ok(()) };
             if mesh.error <= wanted || before.is_some_and(|before| mesh.error > before) {
                 return Ok(());
             }
-            // Cells of half the size, where half of the squared error is.
-            let expected = mesh.error * (1.0 - SHARE * (1.0 - 0.25_f64.powf(*order))).sqrt();
+            // The next mesh is expected to reduce the error as the last one did.
+            let expected = mesh.error * last.map_or(1.0, |last| mesh.error / last);
             self.divide()?;
             if expected <= wanted {
                 return Ok(());
