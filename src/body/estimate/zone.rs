@@ -58,6 +58,9 @@ pub struct ContactEstimate {
     pub edge_ratio: Option<f64>,
     /// The stick zone when the tangential forces of the surface were largest.
     pub stick: Option<StickZone>,
+    /// The number of nodes across the slip zones adjacent to stick zones, in all increments, weighted by the friction work;
+    /// none if there are no such zones, or hardly any friction work.
+    pub slip_across: Option<f64>,
     /// The Hertz contact for the force, if the obstacle is a cylinder or a sphere and the zone has at most three nodes
     /// across.
     pub hertz: Option<HertzContact>,
@@ -135,8 +138,8 @@ pub fn peak_error(n: usize) -> f64 {
 }
 
 impl ContactEstimate {
-    /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick zone; `None` without
-    /// contact.
+    /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick and slip zones; `None`
+    /// without contact.
     pub(crate) fn new(model: &Model, graph: &ContactGraph, k: usize, time: f64, state: &State) -> Option<Self> {
         let surface = &graph.surfaces[k];
         let p_n = &state.p_n;
@@ -201,6 +204,7 @@ impl ContactEstimate {
             singular_edge,
             edge_ratio: edge_ratio(model, graph, heaviest),
             stick: None,
+            slip_across: None,
             hertz: (nodes_across.is_some_and(|n| n <= NOTHING))
                 .then(|| HertzContact::under(model, time, p_n, &closed, peak))
                 .flatten(),
@@ -350,7 +354,7 @@ impl StickZone {
     }
 }
 
-/// The work of friction so far, and the number of nodes over which it is distributed.
+/// The work of friction on a contact surface so far, and the number of nodes over which it is distributed.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(crate) struct SlipZones {
     /// The work of friction, J; in two dimensions J per m of depth.
@@ -361,14 +365,15 @@ pub(crate) struct SlipZones {
 }
 
 impl SlipZones {
-    /// Adds the slip of a converged increment.
-    pub(crate) fn observe(&mut self, model: &Model, graph: &ContactGraph, step: &IncrementView<'_>) {
+    /// Adds the slip of surface `k` of `graph` in a converged increment.
+    pub(crate) fn observe(&mut self, model: &Model, graph: &ContactGraph, k: usize, step: &IncrementView<'_>) {
         let IncrementView { increment, state, statuses, .. } = step;
         let work_of = |i: &usize| {
             let slip = model.problem.slip(increment, state, *i);
             (state.p_t[*i] * slip[0] + state.p_o[*i] * slip[1]).max(0.0)
         };
-        let nodes_that = |status: ContactStatus| (0..statuses.len()).filter(move |&i| statuses[i] == status);
+        let nodes = || graph.surfaces[k].nodes.iter().copied();
+        let nodes_that = |status: ContactStatus| nodes().filter(move |&i| statuses[i] == status);
         let slipping: Vec<usize> = nodes_that(ContactStatus::Slip).collect();
         if slipping.is_empty() {
             return;

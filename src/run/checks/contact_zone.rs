@@ -56,15 +56,11 @@ pub(super) fn warnings(Solved { model, checks, estimates, .. }: &Solved<'_>) -> 
         // For the reported peak, the estimate at its own time counts.
         let peak = estimates.peak.as_ref().filter(|peak| peak.boundary == contact.boundary).unwrap_or(contact);
         let zone = of_zone(contact, &units).or_else(|| of_zone(peak, &units));
-        [zone, of_peak(peak, &units, simplices), of_edge(contact), of_stick(contact)].into_iter().flatten()
+        // For a narrow contact, the warning of its width is enough.
+        let slip = if zone.is_none() { of_slip(contact) } else { None };
+        [zone, of_peak(peak, &units, simplices), of_edge(contact), of_stick(contact), slip].into_iter().flatten()
     });
-    let mut warnings: Vec<Warning> = contact.collect();
-    // For a narrow contact, the warning of its width is enough.
-    let narrow = [WarningKind::CONTACT_UNRESOLVED, WarningKind::CONTACT_COARSE];
-    if !warnings.iter().any(|warning| narrow.contains(&warning.kind)) {
-        warnings.extend(estimates.slip_across.filter(|across| *across < FINE_FOR_SLIP).map(narrow_slip));
-    }
-    warnings
+    contact.collect()
 }
 
 /// Names a surface and a time.
@@ -151,10 +147,12 @@ fn of_stick(contact: &ContactEstimate) -> Option<Warning> {
 }
 
 /// Warns of slip zones that are too narrow for the friction work.
-fn narrow_slip(across: f64) -> Warning {
-    WarningKind::SLIP_ZONE_COARSE.warning(format!(
-        "slip zones beside stick zones are only {across:.1} nodes wide (mean weighted by friction work): friction \
+fn of_slip(contact: &ContactEstimate) -> Option<Warning> {
+    let across = contact.slip_across.filter(|across| *across < FINE_FOR_SLIP)?;
+    Some(WarningKind::SLIP_ZONE_COARSE.warning(format!(
+        "`{}`: slip zones beside stick zones are only {across:.1} nodes wide (mean weighted by friction work): friction \
          work and slip may be off by about {:.0} %; make elements smaller where nodes slip, until 7 are across",
+        contact.boundary,
         100.0 / across
-    ))
+    )))
 }

@@ -37,9 +37,6 @@ pub struct Estimates {
     /// The error of the largest tangential force by the mesh, as a share, see doc/method/estimates.md; none if it is unknown
     /// or if loads alone determine the force.
     pub tangential: Option<f64>,
-    /// The number of nodes across slip zones adjacent to stick zones, weighted by the friction work; none if there are
-    /// no such zones, or hardly any friction work.
-    pub slip_across: Option<f64>,
     /// Friction work below this counts as none, J: a small share of the largest strain energy.
     #[serde(skip)]
     pub negligible_work: f64,
@@ -66,7 +63,8 @@ pub struct EstimateWatch {
     strained: Option<Strained>,
     /// The largest strain energy so far of the parts with friction, J.
     energy_with_friction: f64,
-    slip: SlipZones,
+    /// The slip zones of each contact surface.
+    slip: Vec<SlipZones>,
 }
 
 /// The largest strain energy so far, J, with the displacements and normal contact forces (N) at that time.
@@ -112,8 +110,9 @@ impl EstimateWatch {
     pub fn new(model: &Model) -> Self {
         let graph = ContactGraph::new(model);
         let of_surfaces = vec![Heaviest::default(); graph.surfaces.len()];
-        let (heaviest, dragged) = (of_surfaces.clone(), of_surfaces);
-        EstimateWatch { graph, heaviest, dragged, ..EstimateWatch::default() }
+        let (heaviest, dragged, slip) =
+            (of_surfaces.clone(), of_surfaces, vec![SlipZones::default(); graph.surfaces.len()]);
+        EstimateWatch { graph, heaviest, dragged, slip, ..EstimateWatch::default() }
     }
 
     /// Resumes with data that were stored; `None` if they are not of `model`.
@@ -122,7 +121,7 @@ impl EstimateWatch {
         let contacts = model.contact.nodes.len();
         let heaviest = |of: &Heaviest| [0, contacts].contains(&of.state.p_n.len());
         let strained = |of: &Strained| of.u.len() == model.problem.displacements() && of.p_n.len() == contacts;
-        let fits = [self.heaviest.len(), self.dragged.len()] == [begun.len(); 2]
+        let fits = [self.heaviest.len(), self.dragged.len(), self.slip.len()] == [begun.len(); 3]
             && self.heaviest.iter().chain(&self.dragged).all(heaviest)
             && self.peak.as_ref().is_none_or(|peak| peak.fits(model))
             && self.strained.as_ref().is_none_or(strained);
@@ -153,7 +152,9 @@ impl EstimateWatch {
         for (dragged, force) in self.dragged.iter_mut().zip(self.graph.forces(&p_of)) {
             dragged.observe(force, &p_n, step);
         }
-        self.slip.observe(model, &self.graph, step);
+        for (k, slip) in self.slip.iter_mut().enumerate() {
+            slip.observe(model, &self.graph, k, step);
+        }
         Peak::see(&mut self.peak, model, &self.graph, step);
         let with_friction = model.problem.energy_with_friction(step.increment.force, step.state);
         self.energy_with_friction = self.energy_with_friction.max(with_friction);
@@ -190,7 +191,8 @@ impl EstimateWatch {
                 (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state)).flatten()?;
             let Heaviest { force, time, state } = &self.dragged[k];
             let stick = (*force > 0.0).then(|| StickZone::new(model, &self.graph, k, *time, state));
-            Some(ContactEstimate { stick: stick.flatten(), ..estimate })
+            let slip = self.slip[k].found().filter(|(work, _)| *work > self.negligible_work());
+            Some(ContactEstimate { stick: stick.flatten(), slip_across: slip.map(|(_, across)| across), ..estimate })
         };
         let peak = self.peak.as_ref().and_then(|peak| peak.estimate(model, &self.graph));
         let discretisation =
@@ -208,16 +210,10 @@ impl EstimateWatch {
             strain: elements.as_ref().map(|elements| elements.strain),
             stresses: elements.and_then(|elements| elements.discretisation?.stresses),
             tangential: None,
-            slip_across: self.slip_across(),
             negligible_work: self.negligible_work(),
             increments: None,
             start: None,
         }
-    }
-
-    fn slip_across(&self) -> Option<f64> {
-        let negligible = self.negligible_work();
-        self.slip.found().filter(|(work, _)| *work > negligible).map(|(_, across)| across)
     }
 
     fn negligible_work(&self) -> f64 {

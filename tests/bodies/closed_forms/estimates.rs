@@ -251,30 +251,29 @@ fn a_single_node_that_is_pressed_does_not_lock() {
 }
 
 /// Two blocks of triangles, or of quadrilaterals and one of them narrow, pressed together by 1 mm and then moved.
-fn moved_blocks(
-    cells: &str,
-    [lower, upper]: [[usize; 2]; 2],
-    [x, width]: [f64; 2],
-    friction: f64,
-    motion: f64,
-) -> RunReport {
+fn blocks(cells: &str, [lower, upper]: [[usize; 2]; 2], [x, width]: [f64; 2], friction: f64, motion: f64) -> String {
     let body = |name: &str, at: [f64; 2], width: f64, elements: [usize; 2]| {
         format!(
             "[[body]]\nname = \"{name}\"\nat = {at:?}\n[body.mesh]\nkind = \"block\"\nsize = [{width:?}, 0.5]\nelements = {elements:?}\n\
              cells = \"{cells}\"\n[body.material]\nyoung = 1e9\npoisson = 0.2\n"
         )
     };
-    let text = [
+    [
         body("lower", [0.0, 0.0], 1.0, lower),
         body("upper", [x, 0.5], width, upper),
         format!(
             "[[support]]\nboundary = \"lower:bottom\"\nfix = [\"x\", \"y\"]\n[[support]]\nboundary = \"upper:top\"\nfix = [\"y\"]\n\
              displacement = -1e-3\nhistory = [[0, 0], [1, 1], [2, 1]]\n[[support]]\nboundary = \"upper:top\"\nfix = [\"x\"]\n\
              displacement = {motion}\nhistory = [[0, 0], [1, 0], [2, 1]]\n[[contact]]\nboundary = \"upper:bottom\"\n\
-             against = \"lower:top\"\nfriction = {friction}\n[time]\nend = 2.0\nincrements = 12\n"
+             against = \"lower:top\"\nfriction = {friction}\n"
         ),
     ]
-    .concat();
+    .concat()
+}
+
+/// Runs a scene of blocks.
+fn moved(blocks: &str) -> RunReport {
+    let text = format!("{blocks}[time]\nend = 2.0\nincrements = 12\n");
     let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
     assert_eq!(report.status, Status::Converged, "{}", report.explanation.reason);
     report
@@ -284,11 +283,25 @@ fn moved_blocks(
 #[test]
 fn the_work_of_zones_that_slip_and_are_narrow_is_warned_of() {
     let work = |report: &RunReport| report.increments.iter().map(|record| record.friction_work).sum::<f64>();
-    let narrow = |n: usize| moved_blocks("quadrilateral", [[2 * n, n], [n + 1, n]], [0.25, 0.5], 0.3, 1.5e-4);
-    let (coarse, fine) = (narrow(9), narrow(18));
-    println!("work: {:.3e} {:.3e}, nodes across {:?}", work(&coarse), work(&fine), coarse.estimates.slip_across);
+    let narrow = |n: usize| blocks("quadrilateral", [[2 * n, n], [n + 1, n]], [0.25, 0.5], 0.3, 1.5e-4);
+    let (coarse, fine) = (moved(&narrow(9)), moved(&narrow(18)));
+    println!(
+        "work: {:.3e} {:.3e}, nodes across {:?}",
+        work(&coarse),
+        work(&fine),
+        coarse.estimates.contact[0].slip_across
+    );
     assert!((work(&coarse) / work(&fine) - 1.0).abs() > 0.1);
     assert!(kinds_of(&coarse).contains(&WarningKind::SLIP_ZONE_COARSE), "{:?}", coarse.warnings);
+    // Each contact of a scene has its own slip zones, whatever happens in another.
+    let beside = narrow(36).replace("at = [0", "at = [9").replace("lower", "second").replace("upper", "third");
+    let both = moved(&[narrow(9), beside].concat());
+    let across = |report: &RunReport| report.estimates.contact[0].slip_across.unwrap();
+    let [alone, together] = [&coarse, &both].map(across);
+    assert!((together / alone - 1.0).abs() < 1e-6 && both.estimates.contact[1].slip_across.unwrap() > 1.5 * alone);
+    let said =
+        |of: &str| both.warnings.iter().any(|warning| warning.message.starts_with(&format!("`{of}`: slip zones")));
+    assert!(said("upper:bottom") && said("third:bottom"), "{:?}", both.warnings);
 }
 
 /// The diagonals of triangles make normal forces pull sideways: by a share of these, and by a large one of a small tangential force. A large one is
@@ -296,13 +309,12 @@ fn the_work_of_zones_that_slip_and_are_narrow_is_warned_of() {
 #[test]
 fn tangential_forces_that_are_small_beside_the_error_of_the_mesh_are_warned_of() {
     let finer =
-        |k: usize, motion: f64| moved_blocks("triangle", [[6 * k, 3 * k], [8 * k, 4 * k]], [0.0, 1.0], 0.3, motion);
+        |k: usize, motion: f64| moved(&blocks("triangle", [[6 * k, 3 * k], [8 * k, 4 * k]], [0.0, 1.0], 0.3, motion));
     let force = |report: &RunReport| report.end.sum_p_t;
     let (coarse, fine) = (finer(1, 3e-5), finer(2, 3e-5));
     assert!((force(&coarse) / force(&fine) - 1.0).abs() > 0.1, "{:e} {:e}", force(&coarse), force(&fine));
-    let blocks = |motion: f64| finer(1, motion);
     for (motion, warned) in [(3e-5, true), (1.5e-3, false)] {
-        let report = blocks(motion);
+        let report = finer(1, motion);
         println!("{motion:e}: {:?} {:?}", report.estimates.tangential, report.estimates.discretisation);
         assert_eq!(kinds_of(&report).contains(&WarningKind::TANGENTIAL_COARSE), warned, "{:?}", report.warnings);
         assert!(!kinds_of(&report).contains(&WarningKind::COARSE_MESH));
