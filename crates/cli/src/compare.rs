@@ -44,8 +44,8 @@ pub use tractions::{Interior, TractionNode, Tractions};
 pub struct SolverPath {
     /// The method with its constants.
     pub method: HistoryMethod,
-    /// The linear solver.
-    pub linear: LinearAlgebra,
+    /// The linear solver; `None` for the one that suits the sizes of each mesh.
+    pub linear: Option<LinearAlgebra>,
 }
 
 /// A plan of a comparison.
@@ -185,7 +185,19 @@ pub struct Comparison {
 
 impl fmt::Display for SolverPath {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.linear)
+        write!(f, "{} {}, {}", self.method.name(), self.method.setting(), self.solver_name())
+    }
+}
+
+impl SolverPath {
+    /// Returns the name of the linear solver as in scenes, such as `auto`.
+    pub fn solver_name(&self) -> String {
+        self.linear.map_or("auto".to_string(), |linear| linear.to_string())
+    }
+
+    /// Returns `true` if the linear solver is named and does not condense.
+    fn is_uncondensed(&self) -> bool {
+        self.linear.is_some_and(|linear| !linear.condenses())
     }
 }
 

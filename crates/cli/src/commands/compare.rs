@@ -25,9 +25,9 @@ pub(super) struct CompareArgs {
     /// Settings of the methods
     #[arg(long, value_delimiter = ',', value_parser = ["default", "paper"], default_value = "default")]
     settings: Vec<String>,
-    /// Linear solvers [default: umfpack, condensed and faer, as far as built in]
-    #[arg(long, value_delimiter = ',')]
-    solvers: Vec<LinearAlgebra>,
+    /// Linear solvers; auto suits the sizes of each mesh [default: umfpack, condensed and faer, as far as built in]
+    #[arg(long, value_delimiter = ',', value_parser = solver)]
+    solvers: Vec<Option<LinearAlgebra>>,
     /// Meshes, each by its first number of elements, the other numbers in the proportions of the scene [default: an
     /// eighth, a quarter and half of the scene's]; for a scene with a mesh file, mesh files, relative to the scene
     /// file: a.msh,b.msh
@@ -124,9 +124,14 @@ pub(super) fn compare(args: &CompareArgs, threads: usize, invocation: &Invocatio
     Ok(if all_converged { ExitStatus::Success } else { ExitStatus::NotConverged })
 }
 
+/// Parses a linear solver; `auto` is none in particular.
+fn solver(word: &str) -> Result<Option<LinearAlgebra>, String> {
+    if word == "auto" { Ok(None) } else { word.parse().map(Some) }
+}
+
 /// Returns the linear solvers to compare.
-fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
-    if let Some(absent) = given.iter().find(|linear| !linear.is_built_in()) {
+fn solvers(given: &[Option<LinearAlgebra>]) -> Result<Vec<Option<LinearAlgebra>>, Failure> {
+    if let Some(absent) = given.iter().flatten().find(|linear| !linear.is_built_in()) {
         let help = format!("remove it, or use \"{}\" or \"condensed\"", LinearAlgebra::default());
         return Err(Failure::input(format!("--solvers: {absent} is not in this build"), help));
     }
@@ -134,10 +139,11 @@ fn solvers(given: &[LinearAlgebra]) -> Result<Vec<LinearAlgebra>, Failure> {
         return Ok(given.to_vec());
     }
     let [umfpack, faer] = [SparseLu::Umfpack, SparseLu::Faer].map(LinearAlgebra::Whole);
-    Ok([umfpack, LinearAlgebra::condensed(), faer].into_iter().filter(|linear| linear.is_built_in()).collect())
+    let all = [umfpack, LinearAlgebra::condensed(), faer].into_iter().filter(|linear| linear.is_built_in());
+    Ok(all.map(Some).collect())
 }
 
-fn plan(args: &CompareArgs, threads: usize, solvers: &[LinearAlgebra], scene: &Scene) -> Plan {
+fn plan(args: &CompareArgs, threads: usize, solvers: &[Option<LinearAlgebra>], scene: &Scene) -> Plan {
     let mut paths = Vec::new();
     for &linear in solvers {
         for name in &args.methods {

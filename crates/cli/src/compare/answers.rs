@@ -1,7 +1,8 @@
 //! Summarises a comparison: the fastest way to an error, BN against IP, growth with the mesh.
 
-use super::{Comparison, MeshChoice, MeshResult, MeshSize, SolverPath, Trial, convergence};
-use stickslip::solver::history::{LinearAlgebra, Method, Start, Status};
+use super::{Comparison, MeshChoice, MeshResult, SolverPath, Trial, convergence};
+use stickslip::base::Quantity;
+use stickslip::solver::history::{Method, Start, Status};
 
 /// The contact force errors for which the fastest run is reported.
 const TARGETS: [f64; 2] = [1e-3, 1e-6];
@@ -28,10 +29,8 @@ pub struct Estimate {
 /// BN against IP with one linear solver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lead {
-    /// The linear solver.
-    pub linear: LinearAlgebra,
-    /// The setting of both methods.
-    pub setting: &'static str,
+    /// BN with its setting and its linear solver, which are those of IP, too.
+    pub bn: SolverPath,
     /// Each mesh with the ratio of the CPU times of IP and BN, over all histories that both completed.
     pub ratios: Vec<(MeshChoice, f64)>,
 }
@@ -72,11 +71,7 @@ impl Comparison {
                 if bn.method.increments().is_of_paper() { Method::paper_ip(Start::Safe) } else { Method::Ip };
             let ip = SolverPath { method: interior.into(), ..bn };
             let ratio = |result: &MeshResult| Some((result.mesh.clone(), self.ratio(&result.mesh, ip, bn)?));
-            Lead {
-                linear: bn.linear,
-                setting: bn.method.setting(),
-                ratios: self.meshes.iter().filter_map(ratio).collect(),
-            }
+            Lead { bn, ratios: self.meshes.iter().filter_map(ratio).collect() }
         };
         bn.map(lead).filter(|lead| !lead.ratios.is_empty()).collect()
     }
@@ -109,10 +104,14 @@ impl Comparison {
         }
         let mut answers: Vec<String> = self.agreement().into_iter().collect();
         for result in &self.meshes {
-            answers.extend(TARGETS.iter().map(|&target| self.about_target(&result.mesh, target)));
+            let found = TARGETS.map(|target| (target, self.about_target(&result.mesh, target)));
+            // One sentence says both if the way to the smaller error is the cheapest to the larger one, too.
+            let first = usize::from(found[0].1 == found[1].1);
+            let head = |target| format!("Contact forces to {target:.0e}, {}:", result.mesh);
+            answers.extend(found[first..].iter().map(|(target, way)| format!("{} {way}.", head(target))));
         }
         let leads = self.leads();
-        answers.extend(leads.iter().filter(|lead| !lead.linear.condenses()).map(Lead::sentence));
+        answers.extend(leads.iter().filter(|lead| lead.bn.is_uncondensed()).map(Lead::sentence));
         let growth = |path| Some(format!("{path} {:.2}", self.growth(path)?));
         let growths: Vec<String> = self.paths().into_iter().filter_map(growth).collect();
         if !growths.is_empty() {
@@ -141,11 +140,10 @@ impl Comparison {
     }
 
     fn about_target(&self, mesh: &MeshChoice, target: f64) -> String {
+        let two_digits = |x: f64| self.units.rounded(Quantity::Number, x, 2);
         let describe = |run: &Trial| {
-            format!("{} with {} increments, {} s", run.path, run.increments, round(run.course.seconds.cpu))
+            format!("{} with {} increments, {} s", run.path, run.increments, two_digits(run.course.seconds.cpu))
         };
-        let head = format!("Contact forces to {target:.0e}, {mesh}:");
-        let whole = |path: &SolverPath| !path.linear.condenses();
         let Some(run) = self.cheapest(mesh, target, |_| true) else {
             let nearest = self.on(mesh).filter_map(|run| Some(run.errors?.forces)).fold(f64::INFINITY, f64::min);
             let said = if nearest.is_finite() {
@@ -159,18 +157,18 @@ impl Comparison {
                 let Estimate { path, order, increments, seconds } = estimate;
                 format!(
                     "; if its error keeps falling at order {order:.2}, {path} takes about {} increments and {} s",
-                    round(increments),
-                    round(seconds)
+                    two_digits(increments),
+                    two_digits(seconds)
                 )
             });
-            return format!("{head} {said}{estimate}.");
+            return format!("{said}{estimate}");
         };
         let error = run.errors.map_or(f64::NAN, |errors| errors.forces.max(self.tolerance));
         let below = if error > self.tolerance { "" } else { "below " };
-        let sentence = format!("{head} the cheapest is {} (error {below}{error:.1e})", describe(run));
-        match self.cheapest(mesh, target, whole).filter(|_| !whole(&run.path)) {
-            Some(uncondensed) => format!("{sentence}; on the uncondensed system {}.", describe(uncondensed)),
-            None => sentence + ".",
+        let sentence = format!("the cheapest is {} (error {below}{error:.1e})", describe(run));
+        match self.cheapest(mesh, target, SolverPath::is_uncondensed).filter(|_| !run.path.is_uncondensed()) {
+            Some(uncondensed) => format!("{sentence}; on the uncondensed system {}", describe(uncondensed)),
+            None => sentence,
         }
     }
 }
@@ -178,53 +176,11 @@ impl Comparison {
 /// Estimates for more increments than this, as a multiple of those that were tried, say nothing.
 const FARTHEST: f64 = 1e3;
 
-/// Formats two digits, without an exponent unless very large.
-fn round(x: f64) -> String {
-    let magnitude = x.log10().floor();
-    if !(-6.0..7.0).contains(&magnitude) {
-        return format!("{x:.0e}");
-    }
-    let unit = 10_f64.powf(magnitude - 1.0);
-    format!("{:.*}", (1.0 - magnitude).max(0.0) as usize, (x / unit).round() * unit)
-}
-
 impl Lead {
     fn sentence(&self) -> String {
-        let Lead { linear, setting, ratios } = self;
-        let times: Vec<String> = ratios.iter().map(|(_, ratio)| format!("{ratio:.2}")).collect();
-        let ahead: Vec<&MeshChoice> = ratios.iter().filter(|lead| lead.1 > 1.0).map(|lead| &lead.0).collect();
-        let verdict = if ahead.len() == ratios.len() {
-            "BN is ahead at every size".to_string()
-        } else if ahead.is_empty() {
-            "IP is ahead at every size".to_string()
-        } else {
-            format!("BN is ahead {} only", at(&ahead))
-        };
-        let meshes = at(&ratios.iter().map(|lead| &lead.0).collect::<Vec<_>>());
-        format!(
-            "On {linear}, setting {setting}, IP takes {} times as long as BN {meshes}: {verdict}.",
-            times.join(", ")
-        )
-    }
-}
-
-/// Names meshes: `at n = 10, 20`; `on a.msh, b.msh`.
-fn at(meshes: &[&MeshChoice]) -> String {
-    let number = |mesh: &&MeshChoice| match mesh.size {
-        MeshSize::Elements(n) => Some(n.to_string()),
-        _ => None,
-    };
-    match meshes.iter().map(number).collect::<Option<Vec<_>>>() {
-        Some(numbers) => format!("at n = {}", numbers.join(", ")),
-        None => format!("on {}", meshes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    #[test]
-    fn numbers_are_rounded_to_two_digits() {
-        let rounded = [0.00234, 0.5, 9.96, 42.4, 1234.0, 3.4e8].map(super::round);
-        assert_eq!(rounded, ["0.0023", "0.50", "10.0", "42", "1200", "3e8"]);
+        let Lead { bn, ratios } = self;
+        let (solver, setting) = (bn.solver_name(), bn.method.setting());
+        let times: Vec<String> = ratios.iter().map(|(mesh, ratio)| format!("{ratio:.2} ({mesh})")).collect();
+        format!("On {solver}, setting {setting}, IP takes {} times as long as BN.", times.join(", "))
     }
 }

@@ -179,7 +179,7 @@ impl SolverPath {
             paper @ Method::PaperIp { .. } => tolerance.max(paper.default_tolerance()),
             _ => tolerance,
         };
-        SolverChoice { method, linear: Some(linear), max_iterations, tolerance }
+        SolverChoice { method, linear, max_iterations, tolerance }
     }
 }
 

@@ -35,8 +35,8 @@ fn of_mesh(mesh: &MeshChoice) -> Record {
 
 /// Returns what identifies a run.
 fn of_run(run: &Trial) -> Record {
-    let SolverPath { method, linear } = run.path;
-    let path = json!({ "method": method.name(), "setting": method.setting(), "solver": linear.to_string() });
+    let SolverPath { method, .. } = run.path;
+    let path = json!({ "method": method.name(), "setting": method.setting(), "solver": run.path.solver_name() });
     let increments = ("increments".to_string(), run.increments.into());
     record(path).into_iter().chain(of_mesh(&run.mesh)).chain([increments]).collect()
 }

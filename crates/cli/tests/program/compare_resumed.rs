@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 use stickslip::scene::Scene;
 use stickslip::solver::Checkpoint;
-use stickslip::solver::history::{LinearAlgebra, Method};
+use stickslip::solver::history::Method;
 use stickslip_cli::compare::{self, Cells, Comparison, MeshSize, Plan, SolverPath};
 
 /// A store that keeps histories in memory, as bytes, and counts them.
@@ -36,8 +36,7 @@ impl Kept {
 fn compared(text: &str, meshes: &[usize], increments: &[usize], cells: &Kept) -> Comparison {
     let set = ["mesh.elements=[8,8]".parse().unwrap()];
     let scene = Scene::parse("block.toml", text, &set).unwrap();
-    let paths =
-        [Method::BN, Method::Ip].map(|method| SolverPath { method: method.into(), linear: LinearAlgebra::default() });
+    let paths = [Method::BN, Method::Ip].map(|method| SolverPath { method: method.into(), linear: None });
     let plan = Plan {
         paths: paths.to_vec(),
         meshes: meshes.iter().map(|&n| MeshSize::Elements(n).into()).collect(),

@@ -121,7 +121,7 @@ fn untimed(mut comparison: Comparison) -> Comparison {
 fn a_comparison_does_not_depend_on_how_many_run_at_a_time() {
     let scene = Scene::parse("scene.toml", &small(), &[]).unwrap();
     let paths = [LinearAlgebra::default(), LinearAlgebra::condensed()]
-        .map(|linear| SolverPath { method: Method::BN.into(), linear });
+        .map(|linear| SolverPath { method: Method::BN.into(), linear: Some(linear) });
     let meshes = [6, 2, 4].map(|n| MeshSize::Elements(n).into()).to_vec();
     let at_a_time = |jobs| {
         let plan = Plan { paths: paths.to_vec(), meshes: meshes.clone(), increments: vec![4, 2], reference: 2, jobs };
