@@ -12,6 +12,7 @@ use numpy::{PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use serde_json::{Value, json};
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -21,6 +22,7 @@ use stickslip::body::mesh::{Boundary, Cell, CellKind, Mesh};
 use stickslip::run::{Run, Sink, discretise};
 use stickslip::scene::{Contents, Override, OverrideSyntax, Provenance, Scene, with_contents};
 use stickslip::solver::history::SolverChoice;
+use stickslip_cli::study::{Places, TableQuantity};
 
 /// The kinds of cells by the names of meshio.
 const KINDS: [(&str, CellKind); 11] = [
@@ -227,6 +229,20 @@ impl SceneModel {
     /// The fields of the body at the end of an increment: those of points, those of cells.
     fn fields<'py>(&self, py: Python<'py>, step: GivenStep<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
         field_arrays(py, &self.model, &step.recorded(&self.model)?)
+    }
+
+    /// The value of a quantity in a `report` of the scene, in SI units, as JSON; null if the run has none.
+    fn quantity(&self, name: &str, report: &Bound<'_, PyDict>) -> PyResult<String> {
+        let mut places = Places::default();
+        places.add(&self.scene.description);
+        let quantity = name.parse().and_then(|quantity: TableQuantity| quantity.at(&places, false));
+        let quantity = quantity.map_err(|error| PyValueError::new_err(format!("name: {error}")))?;
+        let root = quantity.root();
+        let part = report.py().import("json")?.call_method1("dumps", (report.get_item(root)?,))?.extract::<String>()?;
+        let part: Value = serde_json::from_str(&part).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        let value = quantity.of(&json!({ root: part }));
+        let si = |x| self.model.units().to_si(quantity.quantity(), x);
+        Ok(value.as_f64().filter(|_| value.is_f64()).map_or(value, |x| si(x).into()).to_string())
     }
 
     fn vtu(&self, py: Python<'_>, step: GivenStep<'_>) -> PyResult<String> {

@@ -174,6 +174,37 @@ class Result(Fields):
         """
         return float(sum(record["friction_work"] for record in self.records if record["status"] == "converged"))
 
+    def quantity(self, name: str) -> Any:
+        """A number or a word of the report by its name, as in ``stickslip sweep --table`` and `converge`.
+
+        Parameters
+        ----------
+        name : str
+            "peak", "force", "tangential", "friction_work" or "stick_ratio"; a key of the report with one value, such as
+            "largest_force.time"; "size:" and the key of a vector, for its length; or "max:", "min:" or "last:" of a boundary and a
+            column of ``forces.csv``, such as "max:top.f_x".
+
+        Returns
+        -------
+        float, int, str, bool or None
+            SI, in the plane per m of depth; None if the run has no such value.
+
+        Raises
+        ------
+        ValueError
+            The scene has no such quantity; the message has those that are meant. Or there is no scene, but a problem of matrices.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> result = ss.run(ss.Scene.example("block"), {"mesh.elements": [20, 10]})
+        >>> round(result.quantity("last:bottom.sum_p_n")), result.quantity("largest_pressure.boundary")
+        (10000, 'bottom')
+        """
+        if self.model is None:
+            raise ValueError(f"name: a problem of matrices has no report, and so no {name}")
+        return json.loads(self.model._core.quantity(name, self.report))
+
     @property
     def warnings(self) -> list[dict[str, str]]:
         """Doubts about the answer although every law holds.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import itertools
-import re
 import threading
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
+from operator import methodcaller
 from typing import Any, Union
 
 from ._linear import Checked
@@ -18,6 +18,9 @@ from ._words import counted, few, warn
 
 #: A key, or several that change together.
 Key = Union[str, tuple[str, ...]]
+
+#: A name as `Result.quantity` takes it, several, or by the names of their columns such names and functions of a result.
+Quantities = Union[str, Iterable[str], Mapping[str, Union[str, Callable[[Result], Any]]], None]
 
 
 class Stopped(Exception):
@@ -75,13 +78,14 @@ class Sweep(Results):
         verdict = f", {failed} not converged" if failed else ", all converged" if len(self) else ""
         return f"<Sweep of {', '.join(self._keys)}: {counted(len(self), 'result')}{verdict}>"
 
-    def table(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> dict[str, list[Any]]:
+    def table(self, quantities: Quantities = None) -> dict[str, list[Any]]:
         """Columns with an entry for each result.
 
         Parameters
         ----------
-        quantities : Mapping of str to callable, optional
-            Further columns by name, each a function of a result.
+        quantities : str, iterable of str, or Mapping of str to str or callable, optional
+            Further columns, each a name as `Result.quantity` takes it, such as "max:top.f_x"; or by name of the column such a name
+            or a function of a result.
 
         Returns
         -------
@@ -98,25 +102,29 @@ class Sweep(Results):
         columns["error"] = [result.error for result in self]
         columns["increments"] = [len(result.t) for result in self]
         columns["friction_work"] = [result.friction_work for result in self]
-        for name, quantity in (quantities or {}).items():
-            if not callable(quantity):
-                raise TypeError(f"quantities[{name!r}]: a function of a result expected, {type(quantity).__name__} found")
+        names = [quantities] if isinstance(quantities, str) else quantities or ()
+        for name, quantity in (names if isinstance(names, Mapping) else {name: name for name in names}).items():
+            value = methodcaller("quantity", quantity) if isinstance(quantity, str) else quantity
+            if not callable(value) or not isinstance(name, str):
+                raise TypeError(f"quantities[{name!r}]: a name or a function of a result expected, {type(quantity).__name__} found")
             if name in columns:
+                if name == quantity:
+                    continue
                 raise ValueError(f"quantities[{name!r}]: the table has a column of this name; take another")
             columns[name] = []
             for k, result in enumerate(self):
                 try:
-                    columns[name].append(quantity(result))
+                    columns[name].append(value(result))
                 except Exception as error:
                     raise ValueError(f"quantities[{name!r}] of {self._name(k)}: {type(error).__name__}: {error}") from error
         return columns
 
-    def to_pandas(self, quantities: Mapping[str, Callable[[Result], Any]] | None = None) -> Any:
+    def to_pandas(self, quantities: Quantities = None) -> Any:
         """`table` as a `pandas.DataFrame`.
 
         Parameters
         ----------
-        quantities : Mapping of str to callable, optional
+        quantities : str, iterable of str, or Mapping of str to str or callable, optional
             See `table`.
 
         Returns
@@ -148,11 +156,10 @@ def _combinations(vary: Mapping[Key, Iterable[Any]]) -> list[dict[str, Any]]:
             raise ValueError(f"vary[{key!r}]: there is no value")
         columns.append(column)
     names = [name for column in columns for name, _ in column[0]]
-    seen: dict[str, str] = {}
-    for name in names:
-        # A table of a list without its number is the first.
-        first = seen.setdefault(re.sub(r"\[0+\](?=\.)", "", name), name)
-        if first != name or names.count(name) > 1:
+    for first, name in itertools.combinations(names, 2):
+        parts = zip(*([part.partition("[") for part in key.split(".")] for key in (first, name)))
+        # A list without a number is all of its tables or entries.
+        if all(a == b and (i.startswith(j) or j.startswith(i)) for (a, _, i), (b, _, j) in parts):
             raise ValueError(f"vary: {name!r} is there twice" + ("" if first == name else f", once as {first!r}"))
     return [{name: value for part in parts for name, value in part} for parts in itertools.product(*columns)]
 
@@ -205,8 +212,8 @@ def sweep(
     ...     {"contact.friction": [0.5, 0.7], ("load[0].traction[1]", "time.increments"): [(-50e3, 10), (-60e3, 20)]},
     ...     overrides={"mesh.elements": [20, 10]},
     ... )
-    >>> table = sweep.table({"force": lambda result: round(result.p_n[-1].sum())})
-    >>> table["time.increments"], table["force"]
+    >>> table = sweep.table(["peak", "last:bottom.sum_p_n"])
+    >>> table["time.increments"], [round(force) for force in table["last:bottom.sum_p_n"]]
     ([10, 20, 10, 20], [10000, 12000, 10000, 12000])
     """
     threads = processors(workers)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import pickle
 import signal
@@ -14,6 +15,7 @@ import pytest
 
 import stickslip as ss
 from scenes import SCENES, block, needs
+from test_program import program
 
 INIT = SCENES.parent / "init"
 
@@ -131,10 +133,38 @@ def test_a_quantity_that_raises_is_named_with_the_values_of_its_run() -> None:
     assert table["friction_work"] == [result.friction_work for result in sweep] and min(table["friction_work"]) > 0
 
 
+def test_the_quantities_are_those_of_the_program(tmp_path: Path) -> None:
+    names = ["largest_pressure.pressure", "size:largest_force.force", "max:bottom.f_x", "last:right.u_x", "largest_pressure.boundary", "totals.iterations"]
+    scene = tmp_path / "block.toml"
+    scene.write_text(ss.Model(block(n=6))._core.text)
+    sweep = ss.sweep(scene, {"contact.friction": [0.2, 0.4]})
+    told = json.loads(program("sweep", str(scene), "--vary", "contact.friction=0.2,0.4", "--table", ",".join(names), "--json").stdout)
+    table = sweep.table([*names, "friction_work", "status"])
+    assert list(table)[5:] == names and table["friction_work"] == [result.friction_work for result in sweep]
+    for name in names:
+        values = [variant["quantities"][name] for variant in told["variants"]]
+        assert table[name] == (values if isinstance(values[0], str) else pytest.approx(values, rel=1e-12))
+    assert sweep.table("peak")["peak"] == sweep.table({"p": "largest_pressure.pressure"})["p"] == table[names[0]]
+    assert sweep[0].quantity("cycle.regime") is None
+    with pytest.raises(ValueError, match=r"quantities\['max:botom.f_x'\] of contact.friction=0.2: .*did you mean bottom"):
+        sweep.table(["force", "max:botom.f_x"])
+
+
+def test_quantities_are_si_and_in_the_plane_per_depth() -> None:
+    plain, result = (ss.run(block(n=6), overrides) for overrides in ({}, {"material.thickness": 0.02}))
+    for name in ("peak", "force", "friction_work", "last:right.u_x", "stick_ratio"):
+        assert result.quantity(name) == pytest.approx(plain.quantity(name), rel=1e-9)
+    assert result.quantity("force") == pytest.approx(result.report["largest_force"]["magnitude"] / 0.02)
+    assert result.quantity("friction_work") == pytest.approx(result.friction_work)
+    seal = ss.run(SCENES / "seal.toml")
+    assert seal.quantity("peak") == pytest.approx(1e6 * seal.report["largest_pressure"]["pressure"])
+
+
 @pytest.mark.parametrize("vary, twice", [
     ({"contact.friction": [0.2], "contact[0].friction": [0.3]}, r"'contact\[0\].friction' is there twice, once as 'contact.friction'"),
     ({("contact.friction", "contact.friction"): [(0.2, 0.3)]}, "'contact.friction' is there twice$"),
-    ({("contact.friction", "contact[00].friction"): [(0.2, 0.3)]}, "is there twice, once as"),
+    ({("contact.friction", "contact[1].friction"): [(0.2, 0.3)]}, "is there twice, once as"),
+    ({"mesh.elements[0]": [4], "mesh.elements": [[4, 4]]}, r"'mesh.elements' is there twice, once as 'mesh.elements\[0\]'"),
 ])
 def test_a_key_of_a_sweep_is_there_once(vary: dict[object, list[object]], twice: str) -> None:
     with pytest.raises(ValueError, match=f"^vary: .*{twice}"):

@@ -134,6 +134,7 @@ WRONG: list[tuple[str, Callable[[], object]]] = [
     (r"vary: ", swept({3: [1.0]})),
     (r"workers is ", swept({"contact.friction": [0.3]}, workers=0)),
     (r"quantities\['a'\]: ", lambda: ss.sweep(block(n=4, increments=2), {"contact.friction": [0.3]}).table({"a": 3})),  # type: ignore[dict-item]
+    (r"name: `pressure` is none of peak", lambda: ss.run(block(n=4, increments=2)).quantity("pressure")),
     # Meshes.
     (r"points", made(points=POINTS[:, 0])),
     (r"points: ", made(points="a word")),

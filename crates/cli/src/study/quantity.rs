@@ -365,7 +365,7 @@ impl TableQuantity {
     }
 
     /// Returns the key of the report itself with all that the value depends on.
-    pub(crate) fn root(&self) -> &str {
+    pub fn root(&self) -> &str {
         match &self.source {
             Source::Key { name, .. } => name.split(['.', '[']).next().unwrap_or_default(),
             Source::Column { acting: None | Some("contact"), .. } => "forces",
