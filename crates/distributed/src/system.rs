@@ -151,6 +151,8 @@ impl System {
 
     /// Takes over values, and prepares to solve. Returns the numbers of [`info`].
     pub(crate) fn factorize(&mut self, change: &Change, own: Values<'_>) -> Result<Vec<f64>, LinearError> {
+        // Another system may have replaced them.
+        petsc::start(&self.setup.options)?;
         if let Some(factor) = change.factor {
             self.factor = factor;
             self.rest.set(own.rest)?;

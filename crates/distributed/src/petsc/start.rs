@@ -18,14 +18,19 @@ pub(super) const OPTIONS: &str = "its options";
 
 static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
 
-/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty. All ranks must call it,
-/// with the same ones.
+/// The options that PETSc has: all its solvers have them in common.
+static PRESENT: Mutex<String> = Mutex::new(String::new());
+
+/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty or equal. All ranks must
+/// call it, with the same ones.
 pub(crate) fn start(options: &str) -> Result<(), LinearError> {
     STARTED.get_or_init(first).clone()?;
     let text = CString::new(options).unwrap_or_default();
-    if text.is_empty() {
+    let mut present = PRESENT.lock().unwrap_or_else(PoisonError::into_inner);
+    if text.is_empty() || *present == options {
         return Ok(());
     }
+    *present = options.to_string();
     // SAFETY: PETSc runs, and copies the text.
     unsafe {
         check(OPTIONS, sys::PetscOptionsClear(ptr::null_mut()))?;
