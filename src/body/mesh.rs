@@ -13,7 +13,7 @@ mod rules;
 mod sides;
 mod source;
 
-pub(crate) use bisection::Bisection;
+pub(crate) use bisection::{Bisection, Curve};
 pub use block::block;
 pub use bodies::Bodies;
 pub use check::MeshFault;

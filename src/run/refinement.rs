@@ -6,6 +6,9 @@
 //! the energy of all bodies; the error that is to become small is the largest of a body at one time, relative to its
 //! own energy. Errors are largest at the ends of contact zones and at corners, so that most cells are there.
 //!
+//! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so that a
+//! polygon becomes a circle.
+//!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
 use std::ops::ControlFlow;
@@ -16,7 +19,8 @@ use serde::Serialize;
 
 use super::{Recording, Run, RunError};
 use crate::base::input_error::InputError;
-use crate::body::mesh::{Bisection, Mesh, MeshSource};
+use crate::body::contact;
+use crate::body::mesh::{Bisection, Curve, Mesh, MeshSource};
 use crate::body::model::Model;
 use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
@@ -182,7 +186,8 @@ impl Refinement {
         if self.errors.is_none() {
             let run = Run::prepared(&self.scene, prepare, &mut ())?;
             if self.bisection.is_none() {
-                self.bisection = Bisection::new(&run.model().mesh);
+                let model = run.model();
+                self.bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(curves(model)));
             }
             let (status, errors) = MeshErrors::of(&run, &self.scene, observer)?;
             self.errors = (status == Status::Converged).then_some(errors);
@@ -228,6 +233,17 @@ impl Observer for Recorded<'_> {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
         self.recording.increment(step)
     }
+}
+
+/// Returns the curved surface of each edge of the boundaries in contact that is a chord of one. Boundaries that are glued, or
+/// whose gap is given, keep their chords.
+fn curves(model: &Model) -> impl Iterator<Item = ([usize; 2], Curve)> {
+    let mesh = &model.mesh;
+    let pairs = model.contact.pairs.iter().filter(|pair| !pair.glued && pair.gap.is_none());
+    let of_pairs = pairs.flat_map(|pair| mesh.boundary(&pair.slave).into_iter().chain([&pair.master]));
+    let with_obstacles = model.description().contacts.iter().filter(|contact| contact.opposite().is_none());
+    let of_obstacles = with_obstacles.filter_map(|contact| mesh.boundary(&contact.boundary));
+    of_pairs.chain(of_obstacles).flat_map(|side| contact::curves(mesh, side))
 }
 
 /// Returns the fewest cells with [`SHARE`] of the sum of `squares`; all if the sum is 0.

@@ -20,6 +20,7 @@ mod side;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+pub(crate) use bulge::curves;
 pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 

@@ -5,16 +5,42 @@
 //! tetrahedron it is one of the edges that are marked in its sides, of which each child inherits one (Arnold, Mukherjee and
 //! Pouly, SIAM J. Sci. Comput. 22 (2000) 431). In the first mesh the longest edges are marked.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use super::{Boundary, Cell, CellKind, Facet, Mesh, sorted};
-use crate::algebra::vector::{dot, minus, norm};
+use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
+
+/// The largest distance of a surface from the middle of an edge that follows it, as a share of the height of its cells.
+const FOLDING: f64 = 0.25;
 
 /// The ends of an edge, the lower number first.
 type Edge = [usize; 2];
 
 /// The middle of an edge counts as curved if its distance from the middle of the chord is above this share of the length.
 const CURVED: f64 = 1e-9;
+
+/// The curved surface of which an edge is a chord.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Curve {
+    /// The unit normals of the surface at both ends of the edge, the lower number first.
+    pub normals: [[f64; 3]; 2],
+    /// The curvature along the edge, 1/m, positive where the body is convex.
+    pub along: f64,
+    /// The largest curvature there, 1/m.
+    pub largest: f64,
+}
+
+impl Curve {
+    /// Returns the point of the surface over the middle of the edge between `ends`, and the normal there: the bulge is
+    /// that of gaps between faceted boundaries, exact on circles and spheres.
+    fn middle(&self, [x, y]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
+        let chord = minus(y, x);
+        let normal = unit(across(plus(self.normals[0], 1.0, self.normals[1]), unit(chord)));
+        let c = self.along * dot(chord, chord) / 8.0;
+        let bulge = 2.0 * c / (1.0 + (1.0 - 2.0 * self.largest * c).max(0.0).sqrt());
+        (plus(between(x, y), bulge, normal), normal)
+    }
+}
 
 /// A triangle, or a tetrahedron.
 #[derive(Debug, Clone)]
@@ -46,6 +72,8 @@ pub struct Bisection {
     simplices: Vec<Simplex>,
     /// The middles of curved edges, m.
     curved: HashMap<Edge, [f64; 3]>,
+    /// The surfaces of which edges are chords.
+    surfaces: HashMap<Edge, Curve>,
     /// The corners of each facet of the boundaries of the first mesh.
     facets: Vec<Facet>,
     /// The facets of each boundary, in order.
@@ -65,6 +93,21 @@ fn edges(corners: &[usize]) -> impl Iterator<Item = Edge> {
 fn on_parabola([x, y]: [[f64; 3]; 2], middle: [f64; 3], s: f64) -> [f64; 3] {
     let n = [(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)];
     [0, 1, 2].map(|c| n[0] * x[c] + n[1] * y[c] + n[2] * middle[c])
+}
+
+/// Returns the least height of a triangle or a tetrahedron.
+fn height(corners: &[[f64; 3]]) -> f64 {
+    let [a, b] = [1, 2].map(|k| minus(corners[k], corners[0]));
+    let Some(&top) = corners.get(3) else {
+        let longest = [norm(a), norm(b), norm(minus(a, b))].into_iter().fold(0.0, f64::max);
+        return norm(cross(a, b)) / longest;
+    };
+    let volume = dot(cross(a, b), minus(top, corners[0])).abs();
+    let area = |skipped: usize| {
+        let own: Vec<[f64; 3]> = (0..4).filter(|k| *k != skipped).map(|k| corners[k]).collect();
+        norm(cross(minus(own[1], own[0]), minus(own[2], own[0])))
+    };
+    volume / (0..4).map(area).fold(0.0, f64::max)
 }
 
 fn between(x: [f64; 3], y: [f64; 3]) -> [f64; 3] {
@@ -160,9 +203,28 @@ impl Bisection {
             nodes: mesh.nodes.clone(),
             simplices: mesh.cells.iter().map(simplex).collect(),
             curved,
+            surfaces: HashMap::new(),
             facets,
             of_boundaries,
         })
+    }
+
+    /// Lets the nodes of edges of the first mesh that are chords of a curved surface lie on it. An edge stays straight if
+    /// the surface is further away than a share of the height of a cell, which might fold.
+    pub(crate) fn follow(mut self, surfaces: impl IntoIterator<Item = (Edge, Curve)>) -> Self {
+        self.surfaces = surfaces.into_iter().filter(|(edge, _)| !self.curved.contains_key(edge)).collect();
+        let corners = self.first.dimension + 1;
+        let mut far = HashSet::new();
+        for own in self.simplices.iter().map(|simplex| &simplex.corners[..corners]) {
+            let height = height(&own.iter().map(|&node| self.nodes[node]).collect::<Vec<_>>());
+            far.extend(edges(own).filter(|edge| {
+                let ends = edge.map(|node| self.nodes[node]);
+                let away = |curve: &Curve| norm(minus(curve.middle(ends).0, between(ends[0], ends[1])));
+                self.surfaces.get(edge).is_some_and(|curve| away(curve) > FOLDING * height)
+            }));
+        }
+        self.surfaces.retain(|edge, _| !far.contains(edge));
+        self
     }
 
     /// Divides the cells with these numbers in [`Bisection::mesh`] until they have half the size, and others until the
@@ -178,6 +240,7 @@ impl Bisection {
                 let middle = *middles.entry(divided).or_insert_with(|| self.divide(divided));
                 let [kept, dropped] = divided.map(|end| self.simplices[k].corners.iter().position(|node| *node == end));
                 let (Some(kept), Some(dropped)) = (kept, dropped) else { continue };
+                self.halve_sides(k, divided, middle);
                 let dimension = self.first.dimension;
                 let parent = &self.simplices[k];
                 let [first, second] =
@@ -199,8 +262,41 @@ impl Bisection {
             self.curved.insert(edge(a, new), on_parabola(ends, middle, 0.25));
             self.curved.insert(edge(b, new), on_parabola(ends, middle, 0.75));
         }
+        let surface = self.surfaces.get(&[a, b]).map(|curve| (*curve, curve.middle(ends)));
+        if let Some((curve, (_, normal))) = surface {
+            for (end, of_end) in [a, b].into_iter().zip(curve.normals) {
+                self.surfaces.insert([end, new], Curve { normals: [of_end, normal], ..curve });
+            }
+        }
+        let middle = middle.or(surface.map(|(_, (middle, _))| middle));
         self.nodes.push(middle.unwrap_or_else(|| between(ends[0], ends[1])));
         new
+    }
+
+    /// Adds the surfaces of the edges that halve the sides of tetrahedron `k` on the boundary. Along them the curvature is that
+    /// of a form that is quadratic in the direction, as lengths of the medians of a triangle.
+    fn halve_sides(&mut self, k: usize, [a, b]: Edge, middle: usize) {
+        let Simplex { corners, facets, .. } = &self.simplices[k];
+        let on_boundary = (0..=self.first.dimension).filter(|&d| facets[d].is_some() && ![a, b].contains(&corners[d]));
+        let third = |d: usize| corners.iter().enumerate().find(|(k, node)| *k != d && ![a, b].contains(node));
+        let thirds: Vec<usize> = on_boundary.filter_map(third).map(|(_, &node)| node).collect();
+        for c in thirds {
+            let curve = |edge: Edge| {
+                let chord = minus(self.nodes[edge[1]], self.nodes[edge[0]]);
+                self.surfaces.get(&edge).map(|curve| (curve, curve.along * dot(chord, chord)))
+            };
+            let sides = (curve([a, b]), curve(edge(a, c)), curve(edge(b, c)));
+            let (Some((divided, base)), Some((side, first)), Some((_, second))) = sides else { continue };
+            let ends = [a, b].map(|node| self.nodes[node]);
+            let median = minus(between(ends[0], ends[1]), self.nodes[c]);
+            let mut normals = [side.normals[usize::from(a < c)], divided.middle(ends).1];
+            if middle < c {
+                normals.reverse();
+            }
+            let along = (0.5 * (first + second) - 0.25 * base) / dot(median, median);
+            let curve = Curve { normals, along, largest: divided.largest };
+            self.surfaces.insert(edge(c, middle), curve);
+        }
     }
 
     /// Returns the mesh, of the order, groups and boundaries of the first one.
@@ -250,8 +346,11 @@ impl Bisection {
         for (cell, simplex) in mesh.cells.iter().zip(&self.simplices) {
             for (ends, &middle) in cell.kind.properties().edges.iter().zip(&cell.nodes[dimension + 1..]) {
                 let [a, b] = ends.map(|k| simplex.corners[k]);
-                if let Some(position) = self.curved.get(&edge(a, b)) {
-                    mesh.nodes[middle] = *position;
+                let ends = edge(a, b);
+                let on_surface = |curve: &Curve| curve.middle(ends.map(|node| self.nodes[node])).0;
+                let position = self.curved.get(&ends).copied().or_else(|| self.surfaces.get(&ends).map(on_surface));
+                if let Some(position) = position {
+                    mesh.nodes[middle] = position;
                 }
             }
         }
@@ -366,6 +465,40 @@ mod tests {
         assert!(nodes.len() > 16);
         for [x, y, _] in mesh.points(&nodes) {
             assert!((y + 0.4 * x * (1.0 - x)).abs() < 1e-15, "({x}, {y})");
+        }
+    }
+
+    /// New nodes of polygons lie on the circles, and those of tubes and balls of tetrahedra on these, whose cells keep
+    /// their shapes.
+    #[test]
+    fn polygons_become_round() {
+        let mut state = 3;
+        for (round, second_order) in (0..3).flat_map(|round| [(round, false), (round, true)]) {
+            let grid = if round == 0 { block(&[1.0, 1.0], &[2, 6]) } else { block(&[1.0, 1.0, 1.0], &[2, 4, 4]) };
+            let mut first = grid.into_simplices();
+            for x in &mut first.nodes {
+                let (r, [a, b]) = (1.0 + x[0], [1, 2].map(|c| (0.25 * std::f64::consts::PI * x[c]).tan()));
+                let size = r / (1.0 + a * a + if round == 2 { b * b } else { 0.0 }).sqrt();
+                *x = [size, size * a, if round == 2 { size * b } else { x[2] }];
+            }
+            let first = if second_order { first.into_second_order() } else { first };
+            let curves =
+                ["left", "right"].map(|side| crate::body::contact::curves(&first, first.boundary(side).unwrap()));
+            let mut bisection = Bisection::new(&first).unwrap().follow(curves.into_iter().flatten());
+            for _ in 0..if round == 0 { 6 } else { 2 } {
+                let cells = bisection.mesh().cells.len();
+                bisection.refine(&(0..cells).filter(|_| random(&mut state) < 0.3).collect::<Vec<_>>());
+            }
+            let mesh = bisection.mesh();
+            mesh.check().unwrap();
+            for (side, radius) in [("left", 1.0), ("right", 2.0)] {
+                for [x, y, z] in mesh.points(&mesh.boundary(side).unwrap().nodes()) {
+                    let off = x.hypot(y).hypot(if round == 2 { z } else { 0.0 }) / radius - 1.0;
+                    assert!(off.abs() < 1e-5, "{round} {second_order}, {side}: {off}");
+                }
+            }
+            let shapes = [&mesh, &first].map(least_shape);
+            assert!(shapes[0] > if round == 0 { 0.25 } else { 0.05 } * shapes[1], "{round}: {shapes:?}");
         }
     }
 }

@@ -20,7 +20,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::facet::{Plane, Projected, Values, position};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
-use crate::body::mesh::{Boundary, Mesh};
+use crate::body::mesh::{Boundary, Curve, Mesh};
 
 /// The ratio of the curvatures at the two ends of an edge above which one of them counts alone: the surface begins to turn
 /// at the other, as at the end of a flat, or has an edge there.
@@ -56,6 +56,8 @@ struct Bulge {
     turns: Vec<([usize; 2], f64)>,
     /// κ, 1/m.
     curvature: f64,
+    /// The normals in the corners of a straight facet.
+    normals: Vec<[f64; 3]>,
     /// `n · ν`, the mean over the corners.
     slope: f64,
     /// `c` in the nodes of the facet, where it is to be 0; empty if nodes between corners are on straight edges.
@@ -131,7 +133,7 @@ impl Bulges {
             let curvature = turns.iter().map(curvature).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
             let plane = Plane::of(mesh, corners);
             let slope = normals.iter().map(|n| dot(*n, plane.normal)).sum::<f64>() / normals.len() as f64;
-            Some(Bulge { flat: plane.project(mesh, corners), plane, turns, curvature, slope, left: None })
+            Some(Bulge { flat: plane.project(mesh, corners), plane, turns, curvature, normals, slope, left: None })
         };
         boundary.facets.iter().enumerate().map(of_facet).collect()
     }
@@ -159,6 +161,25 @@ impl Bulges {
             curvature: bulge.curvature / inside,
         }
     }
+}
+
+/// Returns the curved surface of each edge of `boundary` that is a chord of one; the lower number of its ends is first.
+pub(crate) fn curves(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<[usize; 2], Curve> {
+    let mut curves = BTreeMap::new();
+    for (facet, bulge) in boundary.facets.iter().zip(&Bulges::new(mesh, boundary).facets) {
+        let Some(bulge) = bulge.as_ref().filter(|bulge| !bulge.normals.is_empty()) else { continue };
+        let step = if mesh.is_quadratic(facet) { 2 } else { 1 };
+        let corners: Vec<usize> = facet.iter().copied().step_by(step).collect();
+        for pair in pairs(corners.len()) {
+            let turn = bulge.turns.iter().find(|(own, _)| *own == pair).map_or(0.0, |(_, turn)| *turn);
+            let [low, high] = if corners[pair[0]] < corners[pair[1]] { pair } else { [pair[1], pair[0]] };
+            let chord = minus(mesh.nodes[corners[high]], mesh.nodes[corners[low]]);
+            let normals = [bulge.normals[low], bulge.normals[high]];
+            let curve = Curve { normals, along: turn / dot(chord, chord), largest: bulge.curvature };
+            curves.entry([corners[low], corners[high]]).or_insert(curve);
+        }
+    }
+    curves
 }
 
 impl Bulge {
@@ -220,7 +241,7 @@ impl Bulge {
             let count = corners.len();
             slope = (0..count).map(|k| (1.0 - lean(k).powi(2)).max(0.0).sqrt()).sum::<f64>() / count as f64;
         }
-        let mut bulge = Bulge { plane, flat, turns, curvature, slope, left: None };
+        let mut bulge = Bulge { plane, flat, turns, curvature, normals: Vec::new(), slope, left: None };
         let unit = |k: usize| std::array::from_fn(|j| f64::from(u8::from(j == k)));
         let left = |k: usize| bulge.square(mesh, facet, &unit(k)).map_or(0.0, |(square, _)| square);
         bulge.left = Some(std::array::from_fn(|k| if k < facet.len() { left(k) } else { 0.0 }));

@@ -466,3 +466,32 @@ fn nodes_off_the_middle_of_their_edges() {
         }
     }
 }
+
+/// Two rings of a few triangles that refine themselves have the pressure of circles: that of polygons is 30 times as large,
+/// as the height of an arc over its facet is 50 times the interference.
+#[test]
+fn polygons_that_refine_themselves_become_circles() {
+    let text = r#"
+        [mesh] kind = "block", size = [1, 1], elements = [1, 1], cells = "triangle"
+        [material] young = 1, poisson = 0.3
+        [[support]] boundary = "bottom", fix = ["x", "y"]
+        [time] end = 1, increments = 1
+    "#;
+    for (cells, inner_is_slave, refine) in
+        [(Cells::Simplices, true, 0.05), (Cells::Simplices, false, 0.05), (Cells::Straight, true, 0.005)]
+    {
+        let mut scene = parsed_with(&scene_text(text), &[]);
+        scene.description = pressed(Shape::Rings, cells, [10, 8], None, inner_is_slave);
+        scene.refine = Some(refine);
+        let run = Run::new(&scene).unwrap();
+        let report = run.solve(&mut ()).unwrap();
+        let model = run.model();
+        let area: f64 = model.contact.nodes.iter().map(|contact| contact.weight).sum();
+        let mean = report.forces.last().unwrap().resultant.sums.sum_p_n / area / exact(Shape::Rings) - 1.0;
+        let gaps = model.contact.pairs[0].gaps.iter().map(|gap| (gap / -INTERFERENCE - 1.0).abs());
+        let gap = gaps.fold(0.0, f64::max);
+        println!("{cells:?} {inner_is_slave}: {} nodes, mean {mean:.5}, gap {gap:.4}", model.mesh.nodes.len());
+        assert!(report.coarser_meshes.len() > 3, "{}", report.coarser_meshes.len());
+        assert!(mean.abs() < 2e-3 && gap < 0.01, "{cells:?} {inner_is_slave}: {mean} {gap}");
+    }
+}
