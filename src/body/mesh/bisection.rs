@@ -389,6 +389,16 @@ mod tests {
         mesh.cells.iter().map(of_cell).fold(f64::INFINITY, f64::min)
     }
 
+    /// Returns the least angle between two sides of a cell.
+    fn least_angle(mesh: &Mesh) -> f64 {
+        let of_cell = |cell: &Cell| {
+            let normals: Vec<[f64; 3]> = cell.facets().iter().map(|side| unit(mesh.area_vector(side))).collect();
+            let angle = |[a, b]: Edge| (-dot(normals[a], normals[b])).acos();
+            edges(&(0..normals.len()).collect::<Vec<_>>()).map(angle).fold(f64::INFINITY, f64::min)
+        };
+        mesh.cells.iter().map(of_cell).fold(f64::INFINITY, f64::min)
+    }
+
     fn distorted(mut mesh: Mesh, state: &mut u64) -> Mesh {
         let dimension = mesh.dimension;
         for x in &mut mesh.nodes {
@@ -402,13 +412,16 @@ mod tests {
 
     #[test]
     fn refined_meshes_conform_and_keep_volumes_boundaries_and_shapes() {
-        let mut state = 7;
+        let (mut state, mut bisections) = (7, 0);
         for round in 0..60 {
             let (plane, space) = (block(&[1.0, 1.0], &[3, 3]), block(&[1.0, 1.0, 1.0], &[2, 3, 2]));
             let first = distorted(if round % 2 == 0 { plane } else { space }.into_simplices(), &mut state);
             let first = if round % 3 == 0 { first.into_second_order() } else { first };
+            let mut first = first;
+            first.groups = ["even", "odd"].map(str::to_string).to_vec();
+            first.cells.iter_mut().enumerate().for_each(|(e, cell)| cell.group = e % 2);
             let mut bisection = Bisection::new(&first).unwrap();
-            let bound = least_shape(&first);
+            let bounds = [least_shape(&first), least_angle(&first)];
             for level in 0..if first.dimension == 2 { 6 } else { 2 } {
                 let mesh = bisection.mesh();
                 let share = if level % 2 == 0 { 0.3 } else { 0.05 };
@@ -424,17 +437,27 @@ mod tests {
                 mesh.boundaries.iter().map(|b| b.facets.len()).sum::<usize>(),
                 "hanging nodes"
             );
-            let whole: f64 = mesh.cells.iter().map(|cell| volume(&mesh, cell)).sum();
-            assert!((whole - 1.0).abs() < 1e-12, "{whole}");
+            bisections += mesh.cells.len() - first.cells.len();
+            for group in 0..2 {
+                let volume = |mesh: &Mesh| -> f64 {
+                    mesh.cells.iter().filter(|cell| cell.group == group).map(|cell| volume(mesh, cell)).sum()
+                };
+                let [now, before] = [&mesh, &first].map(volume);
+                assert!((now / before - 1.0).abs() < 1e-12, "{group}: {now} {before}");
+            }
             for (boundary, old) in mesh.boundaries.iter().zip(&first.boundaries) {
                 let area = |mesh: &Mesh, boundary: &Boundary| {
                     boundary.facets.iter().map(|facet| norm(mesh.area_vector(facet))).sum::<f64>()
                 };
                 assert!((area(&mesh, boundary) - area(&first, old)).abs() < 1e-12, "{}", boundary.name);
             }
-            let shape = least_shape(&mesh);
-            assert!(shape > if first.dimension == 2 { 0.25 } else { 0.05 } * bound, "{shape} {bound}");
+            let shares = if first.dimension == 2 { [0.25, 0.5] } else { [0.05, 0.2] };
+            for ((least, bound), share) in [least_shape(&mesh), least_angle(&mesh)].into_iter().zip(bounds).zip(shares)
+            {
+                assert!(least > share * bound, "{} dimensions: {least} {bound}", first.dimension);
+            }
         }
+        assert!(bisections > 10_000, "{bisections}");
     }
 
     /// The edges of a boundary run along it, each from where the last one ended.
