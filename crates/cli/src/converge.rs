@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use crate::study::{MeshSize, Places, StudyError, TableQuantity};
 use stickslip::body::ModelError;
-use stickslip::body::mesh::Mesh;
+use stickslip::body::mesh::{Mesh, MeshSource};
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Refinement, Run, RunError};
 use stickslip::scene::Scene;
@@ -81,6 +81,8 @@ pub struct Convergence {
     pub result: StudyResult,
     /// The report of the last run.
     pub last: RunReport,
+    /// The last mesh, if meshes refined themselves.
+    pub mesh: Option<MeshSource>,
 }
 
 /// Refines `scene` as planned, and reports each run to `progress` before it starts. `observer` sees all runs, and may
@@ -109,7 +111,8 @@ pub fn compute(
         Ok(run)
     })?;
     let last = last.ok_or(StudyError::NoFinerMesh)?;
-    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last })
+    let mesh = meshes.refined.map(|(refinement, ..)| refinement.scene().description.mesh.clone());
+    Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last, mesh })
 }
 
 /// Reads the meshes that are named, so that none is found to be wrong after the runs with the coarser ones.

@@ -1,5 +1,6 @@
 //! `stickslip converge`.
 
+use std::fs;
 use std::path::PathBuf;
 
 use crate::converge::{self, Limits, Plan, Verdict};
@@ -36,7 +37,8 @@ pub(super) struct ConvergeArgs {
     /// Largest time of the whole study: a run that is predicted to exceed it is not started
     #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
     within: f64,
-    /// Write the table (converge.csv), all results (converge.json) and the chart (converge.svg) into this folder
+    /// Write the table (converge.csv), all results (converge.json), the chart (converge.svg) and the last mesh that refined
+    /// itself (converge.msh, for mesh.file) into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Print only the results, as one JSON object
@@ -62,8 +64,8 @@ fn ratio(text: &str) -> Result<f64, String> {
     ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
 }
 
-/// The files of a study.
-const FILES: [&str; 3] = ["converge.csv", "converge.json", "converge.svg"];
+/// The files of a study. The last one is there if meshes refined themselves.
+const FILES: [&str; 4] = ["converge.csv", "converge.json", "converge.svg", "converge.msh"];
 
 /// The first columns of every `converge.csv`.
 const COLUMNS: &str = "mesh,elements,increments,";
@@ -86,7 +88,14 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
     let json = pretty(&changed(study.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
-    let files = || Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?]));
+    let files = || {
+        // An earlier study may have left a mesh.
+        if let Some(folder) = &folder {
+            drop(fs::remove_file(folder.path.join(FILES[3])));
+        }
+        let contents = [study.to_csv(), json.clone(), study.chart().to_svg()?];
+        Ok(FILES.into_iter().zip(contents.into_iter().chain(study.to_msh())))
+    };
     print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     Ok(if study.result.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }

@@ -9,7 +9,7 @@ use crate::study::{csv, labelled, number, record};
 use stickslip::base::{Quantity, UnitSystem};
 use stickslip::run::report::{LargestPressure, SCHEMA_VERSION};
 use stickslip::solver::history::Status;
-use stickslip_output::Table;
+use stickslip_output::{Table, msh};
 
 /// The digits of values: more than their errors leave, and enough for the changes that are printed.
 const DIGITS: usize = 5;
@@ -44,6 +44,12 @@ impl Convergence {
     /// Returns the runs as comma-separated values, in the units of the scene.
     pub fn to_csv(&self) -> String {
         csv(&self.runs(self.sought.word()).into_iter().map(record).collect::<Vec<_>>(), number)
+    }
+
+    /// Returns the file of the last mesh in the units of the scene, for Gmsh and `mesh.file`, if meshes refined themselves.
+    pub fn to_msh(&self) -> Option<String> {
+        let mesh = self.mesh.as_ref()?.build().ok()?;
+        msh(&mesh, |x| self.last.units.of_si(Quantity::Length, x))
     }
 
     /// Returns the runs in the units of the scene, with this name of the value.

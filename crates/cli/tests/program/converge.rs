@@ -224,6 +224,49 @@ fn triangles_refine_themselves() {
     assert!(error <= value(&study, "uncertainty"), "{error} {study}");
 }
 
+/// On the file of the last mesh a scene has the same force, of two bodies, also of tetrahedra. In other units than m coordinates are
+/// rounded once more.
+#[test]
+fn the_last_mesh_is_a_file() {
+    let plane = |cells| (cells, "[10, 5]", "[3, 2]", "['x', 'y']", "[2, 5]", "[0.01, -0.05]");
+    let space = ("tetrahedron", "[10, 10, 5]", "[1, 1, 1]", "['x', 'y', 'z']", "[2, 0, 5]", "[0.01, 0, -0.05]");
+    let mm = "units = { length = 'mm', stress = 'MPa' }";
+    let all = [
+        (plane("triangle"), "", 1e-12),
+        (plane("triangle6"), "", 1e-12),
+        (space, "", 1e-12),
+        (plane("triangle6"), mm, 1e-11),
+    ];
+    for ((cells, size, elements, fix, at, down), units, bound) in all {
+        let block = format!("mesh = {{ kind = 'block', size = {size}, elements = {elements}, cells = '{cells}' }}");
+        let [soft, hard] = ["young = 1e3, poisson = 0.3", "young = 2e3, poisson = 0.2"];
+        let bodies = format!(
+            "body = [{{ name = 'lower', {block}, material = {{ {soft} }} }},
+                     {{ name = 'upper', at = {at}, {block}, material = {{ {hard} }} }}]"
+        );
+        let rest = format!(
+            "{units}
+            support = [{{ boundary = 'lower:bottom', fix = {fix} }},
+                       {{ boundary = 'upper:top', fix = {fix}, displacement = {down} }}]
+            contact = [{{ boundary = 'upper:bottom', against = 'lower:top', friction = 0.3 }}]
+            time = {{ end = 1, increments = 1 }}"
+        );
+        let (folder, file) = Folder::with_scene(&format!("{bodies}\n{rest}"));
+        let out = folder.join("out");
+        let output = stickslip(&converge(&file, "force", &["--to", "0.1", "--max-runs", "3", "--out", &out, "--json"]));
+        let study = json(&output);
+        let last = study["runs"].as_array().unwrap().last().unwrap().clone();
+        let file = "mesh = { kind = 'gmsh', file = 'out/converge.msh' }";
+        let groups = format!("group = [{{ name = 'lower', {soft} }}, {{ name = 'upper', {hard} }}]");
+        let again = folder.join("again.toml");
+        fs::write(&again, format!("{file}\nmaterial = {{ {soft}, {groups} }}\n{rest}")).unwrap();
+        let increments = last["increments"].to_string();
+        let run = json(&stickslip(&["run", &again, "--json", "--increments", &increments]));
+        let error = number(&run["largest_force"]["magnitude"]) / number(&study["value"]) - 1.0;
+        assert!(last["mesh"].as_str().unwrap().starts_with("refine") && error.abs() < bound, "{error} {study}");
+    }
+}
+
 /// Returns a unit square of `n` by `n` quadrilaterals, of eight nodes if `second`.
 fn square(n: usize, second: bool) -> String {
     let number = |x: usize, y: usize| 1 + x + (2 * n + 1) * y;
