@@ -74,6 +74,10 @@ impl GivenMesh<'_> {
     }
 }
 
+/// Points, cells, groups and boundaries of a mesh.
+type RefinedMesh<'py> =
+    (Bound<'py, PyArray2<f64>>, Vec<(&'static str, Vec<usize>, usize)>, Vec<String>, Vec<(String, Vec<Vec<usize>>)>);
+
 /// What a run is asked for besides, and what takes the place of the scene's.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
@@ -163,6 +167,27 @@ impl SceneModel {
     /// Kind, nodes and group of each cell, in the order of the mesh.
     fn cells(&self) -> Vec<(&'static str, Vec<usize>, usize)> {
         self.model.mesh.cells.iter().map(|cell| (kind_name(cell.kind), cell.nodes.clone(), cell.group)).collect()
+    }
+
+    /// The share up to which the mesh refines itself, as the scene says.
+    #[getter]
+    fn refine(&self) -> Option<f64> {
+        self.scene.refine
+    }
+
+    /// The mesh that has refined itself up to this error: points, cells as above, groups, boundaries by their facets.
+    fn refined<'py>(&self, py: Python<'py>, error: f64) -> PyResult<RefinedMesh<'py>> {
+        let mut scene = self.scene.clone();
+        scene.refine = Some(error);
+        let recorder = Recorder::new(Keep::All(false), None, Raised::default());
+        let (model, _) = watched(py, recorder, |recorder| {
+            let refined = || Ok(Run::prepared(&scene, &mut |_| (), recorder)?.into_model());
+            with_contents(self.files.clone(), refined)
+        })?;
+        let Mesh { nodes, cells, groups, boundaries, .. } = &*model.mesh;
+        let cells = cells.iter().map(|cell| (kind_name(cell.kind), cell.nodes.clone(), cell.group)).collect();
+        let boundaries = boundaries.iter().map(|boundary| (boundary.name.clone(), boundary.facets.clone())).collect();
+        Ok((table(py, nodes.len(), nodes.as_flattened().to_vec())?, cells, groups.clone(), boundaries))
     }
 
     /// Node and position of each contact node.

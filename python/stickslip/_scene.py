@@ -295,6 +295,47 @@ class Model:
         name, text, before, given = self._arguments
         return _restore(name, text, {**before, **_words(overrides, given is not None)}, given, self._files(), self._has_text)
 
+    def refined(self, error: float) -> Model:
+        """The same scene on a mesh of triangles or tetrahedra that has refined itself, as ``mesh.refine`` does for the command.
+
+        The mesh is given from then on: other loads or materials, by `with_`, have the same one.
+
+        Parameters
+        ----------
+        error : float
+            The error of the stresses in the energy norm, relative, up to which the mesh is refined; 0.05 for 5 %. After a history
+            that does not converge the mesh stays as it is.
+
+        Returns
+        -------
+        Model
+
+        Raises
+        ------
+        SceneError
+            Other cells.
+
+        Examples
+        --------
+        >>> import stickslip as ss
+        >>> model = ss.Model(ss.Scene.example("block"), {"mesh.elements": [4, 4], "mesh.cells": "triangle"})
+        >>> len(model.points) < len(model.refined(0.1).points)
+        True
+        """
+        try:
+            points, cells, groups, boundaries = self._core.refined(share("error", error, "a share above 0 and below 1"))
+        except SceneError as fault:
+            raise fault._in_python(self._has_text) from None
+        of_group = np.array([group for _, _, group in cells])
+        blocks = [(cells[0][0], np.array([nodes for _, nodes, _ in cells]), of_group)]
+        given: _mesh.Given = {"points": points, "cells": blocks, "groups": groups, "boundaries": boundaries}
+        name, text, before, _ = self._arguments
+        return _restore(name, text, before, given, self._files(), self._has_text)
+
+    def _as_said(self) -> Model:
+        """On the mesh that ``mesh.refine`` asks for."""
+        return self if self._core.refine is None else self.refined(self._core.refine)
+
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
         uniqueness: bool = False, max_iterations: int | None = None, tolerance: float | None = None,
@@ -429,7 +470,7 @@ def run(
     max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
     checkpoint_every: float | None = None,
 ) -> Result:
-    """Discretises a scene and solves it: `Model` and `Model.run` in one.
+    """Discretises a scene and solves it: `Model`, `Model.refined` if the scene has ``mesh.refine``, and `Model.run` in one.
 
     Parameters
     ----------
@@ -456,7 +497,7 @@ def run(
     >>> print(f"{result.p_n[-1].sum():.0f} N per m of depth")
     10000 N per m of depth
     """
-    return Model(scene, overrides, mesh=mesh).run(
+    return Model(scene, overrides, mesh=mesh)._as_said().run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
         max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint, checkpoint_every=checkpoint_every,
     )

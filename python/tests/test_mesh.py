@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -108,3 +109,23 @@ def test_tables_and_pictures() -> None:
     data = needs("xarray") and result.to_xarray()
     assert data["p_t"].shape == (10, 10, 1) and float(data["x"].max()) == 1.0
     assert "#1a7f37" in result._repr_html_()
+
+
+def test_meshes_refine_themselves() -> None:
+    keys = {"mesh.elements": [4, 4], "mesh.cells": "triangle"}
+    coarse = ss.Model(block(), keys)
+    fine = coarse.refined(0.1)
+    assert len(fine.points) > 2 * len(coarse.points) and fine.points.max() == coarse.points.max()
+    # As the scene says, and with other values on the same mesh.
+    result = ss.run(block(), {**keys, "mesh.refine": 0.1})
+    np.testing.assert_array_equal(result.p_n, fine.run().p_n)
+    swept = ss.sweep(block(), {"mesh.refine": [0.1]}, overrides=keys)
+    np.testing.assert_array_equal(swept[0].p_n[-1], result.p_n[-1])
+    other = fine.with_({"contact.friction": 0.1})
+    np.testing.assert_array_equal(other.points, fine.points)
+    again = pickle.loads(pickle.dumps(fine))
+    np.testing.assert_array_equal(again.points, fine.points)
+    with pytest.raises(ss.SceneError, match="triangles or of tetrahedra"):
+        ss.Model(block()).refined(0.1)
+    with pytest.raises(ValueError, match="error"):
+        coarse.refined(2)
