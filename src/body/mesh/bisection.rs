@@ -232,7 +232,9 @@ impl Bisection {
     pub fn refine(&mut self, cells: &[usize]) {
         let corners = self.first.dimension + 1;
         let mut middles = HashMap::<Edge, usize>::new();
-        cells.iter().for_each(|&k| self.simplices[k].due = self.first.dimension);
+        for &k in cells {
+            self.simplices[k].due = self.first.dimension;
+        }
         let mut due = cells.to_vec();
         while !due.is_empty() {
             for k in due {
