@@ -1,5 +1,5 @@
-//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are halved, and so
-//! on until the error of the mesh is expected to be as small as asked for.
+//! Adaptive mesh refinement: the history is solved, the cells with the largest errors of the stresses are divided,
+//! and so on until the error of the mesh is expected to be as small as asked for.
 //!
 //! The cells with half of the squared error `η²` of [`DiscretisationError`] get half their size (Dörfler, SIAM J. Numer.
 //! Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to

@@ -33,7 +33,8 @@ pub struct Ladder {
 
 impl Ladder {
     /// Returns the meshes `named`; without names, those with all numbers of elements times powers of `ratio`, which begin
-    /// up to two steps below the mesh of `scene`, or those to which the first of these refines itself, if it can. Increments begin with half of those of the scene, if that is a whole number and not too few.
+    /// up to two steps below the mesh of `scene`, or those to which the first of these refines itself, if it can.
+    /// Increments begin with half of those of the scene, if that is a whole number and not too few.
     ///
     /// # Errors
     /// When the scene has no meshes of this kind, and when its mesh cannot be built.
