@@ -170,6 +170,12 @@ impl Refinement {
         Ok(())
     }
 
+    fn too_coarse(&self, place: &str) -> RunError {
+        let help = "give the first mesh shorter edges along the contact there, or cells that are less flat";
+        let message = format!("the contact is round at {place}, and the first mesh is too coarse to become so");
+        RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
+    }
+
     fn other_cells(&self) -> RunError {
         let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
         let message = "only meshes of triangles or of tetrahedra refine themselves";
@@ -187,7 +193,8 @@ impl Refinement {
             let run = Run::prepared(&self.scene, prepare, &mut ())?;
             if self.bisection.is_none() {
                 let model = run.model();
-                self.bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(curves(model)));
+                let bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(curves(model)));
+                self.bisection = bisection.transpose().map_err(|place| self.too_coarse(&model.units().point(place)))?;
             }
             let (status, errors) = MeshErrors::of(&run, &self.scene, observer)?;
             self.errors = (status == Status::Converged).then_some(errors);

@@ -5,12 +5,12 @@
 //! tetrahedron it is one of the edges that are marked in its sides, of which each child inherits one (Arnold, Mukherjee and
 //! Pouly, SIAM J. Sci. Comput. 22 (2000) 431). In the first mesh the longest edges are marked.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 
 use super::{Boundary, Cell, CellKind, Facet, Mesh, sorted};
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 
-/// The largest distance of a surface from the middle of an edge that follows it, as a share of the height of its cells.
+/// The largest distance of a surface from the middle of its chord, as a share of the height of the cells at it.
 const FOLDING: f64 = 0.25;
 
 /// The ends of an edge, the lower number first.
@@ -209,22 +209,25 @@ impl Bisection {
         })
     }
 
-    /// Lets the nodes of edges of the first mesh that are chords of a curved surface lie on it. An edge stays straight if
-    /// the surface is further away than a share of the height of a cell, which might fold.
-    pub(crate) fn follow(mut self, surfaces: impl IntoIterator<Item = (Edge, Curve)>) -> Self {
+    /// Lets the nodes of edges of the first mesh that are chords of a curved surface lie on it.
+    ///
+    /// # Errors
+    /// The middle of an edge from which the surface is further away than a share of the height of a cell, which might fold.
+    pub(crate) fn follow(mut self, surfaces: impl IntoIterator<Item = (Edge, Curve)>) -> Result<Self, [f64; 3]> {
         self.surfaces = surfaces.into_iter().filter(|(edge, _)| !self.curved.contains_key(edge)).collect();
-        let corners = self.first.dimension + 1;
-        let mut far = HashSet::new();
-        for own in self.simplices.iter().map(|simplex| &simplex.corners[..corners]) {
+        for simplex in &self.simplices {
+            let own = &simplex.corners[..=self.first.dimension];
             let height = height(&own.iter().map(|&node| self.nodes[node]).collect::<Vec<_>>());
-            far.extend(edges(own).filter(|edge| {
+            for edge in edges(own) {
                 let ends = edge.map(|node| self.nodes[node]);
-                let away = |curve: &Curve| norm(minus(curve.middle(ends).0, between(ends[0], ends[1])));
-                self.surfaces.get(edge).is_some_and(|curve| away(curve) > FOLDING * height)
-            }));
+                let chord = between(ends[0], ends[1]);
+                let away = |curve: &Curve| norm(minus(curve.middle(ends).0, chord));
+                if self.surfaces.get(&edge).is_some_and(|curve| away(curve) > FOLDING * height) {
+                    return Err(chord);
+                }
+            }
         }
-        self.surfaces.retain(|edge, _| !far.contains(edge));
-        self
+        Ok(self)
     }
 
     /// Divides the cells with these numbers in [`Bisection::mesh`] until they have half the size, and others until the
@@ -509,7 +512,7 @@ mod tests {
             let first = if second_order { first.into_second_order() } else { first };
             let curves =
                 ["left", "right"].map(|side| crate::body::contact::curves(&first, first.boundary(side).unwrap()));
-            let mut bisection = Bisection::new(&first).unwrap().follow(curves.into_iter().flatten());
+            let mut bisection = Bisection::new(&first).unwrap().follow(curves.into_iter().flatten()).unwrap();
             for _ in 0..if round == 0 { 6 } else { 2 } {
                 let cells = bisection.mesh().cells.len();
                 bisection.refine(&(0..cells).filter(|_| random(&mut state) < 0.3).collect::<Vec<_>>());

@@ -37,10 +37,8 @@ fn a_cylinder_on_a_refined_mesh_is_within_a_percent() {
     assert!((force / 7.5335e6 - 1.0).abs() < 0.01 && (work / 1.136 - 1.0).abs() < 0.01, "{force} {work}");
 }
 
-/// The lower part of a cylinder is pressed on a plane, and each facet is nearly as long as the contact is wide. It becomes round:
-/// peak pressure and force are those of Hertz.
-#[test]
-fn a_polygon_that_refines_itself_rolls() {
+/// The lower part of a cylinder that is pressed on a plane, with so many elements along its radius, and so many facets.
+fn polygon(elements: [usize; 2]) -> Scene {
     let text = r#"
         [mesh] kind = "block", size = [1, 1], elements = [1, 1], cells = "triangle", refine = 0.02
         [material] young = 1e9, poisson = 0.3, plane = "strain"
@@ -48,19 +46,33 @@ fn a_polygon_that_refines_itself_rolls() {
         [[contact]] boundary = "right", friction = 0, obstacle = { kind = "plane" }
         [time] end = 1, increments = 1
     "#;
-    let mesh = moved(block(&[0.7, 1.0], &[3, 12]).into_simplices(), |[s, t, _]| {
+    let mesh = moved(block(&[0.7, 1.0], &elements).into_simplices(), |[s, t, _]| {
         let angle = FRAC_PI_2 * (t - 0.5);
         [(0.3 + s) * angle.sin(), -(0.3 + s) * angle.cos(), 0.0]
     });
     let mut scene = parsed_with(&scene_text(text), &[]);
     scene.description.mesh = mesh.into();
-    let report = Run::new(&scene).unwrap().solve(&mut ()).unwrap();
+    scene
+}
+
+/// Each facet is nearly as long as the contact is wide. The polygon becomes round: peak pressure and force are those of
+/// Hertz.
+#[test]
+fn a_polygon_that_refines_itself_rolls() {
+    let report = Run::new(&polygon([3, 12])).unwrap().solve(&mut ()).unwrap();
     let force = report.forces.last().unwrap().resultant.sums.sum_p_n;
     let peak = report.largest_pressure.as_ref().unwrap().pressure.unwrap();
     let hertz = (force * 1e9 / (1.0 - 0.09) / PI).sqrt();
     let width = (4.0 * force * (1.0 - 0.09) / (PI * 1e9)).sqrt();
     println!("half-width {width:.4}, peak {:.4} of Hertz, error {:.3}", peak / hertz, error_of(&report));
     assert!((peak / hertz - 1.0).abs() < 0.03, "{peak} {hertz}");
+}
+
+/// New nodes on the circle would fold the cells of a polygon with few facets.
+#[test]
+fn polygons_of_flat_cells_are_refused() {
+    let error = Run::new(&polygon([12, 4])).unwrap_err().to_string();
+    assert!(error.contains("the first mesh is too coarse to become so"), "{error}");
 }
 
 /// Where stresses are singular, at the ends of a side that is held, errors fall as fast as elsewhere: as N^(-1/2) with

@@ -1,12 +1,13 @@
 //! `stickslip converge`.
 
 use std::fs;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::converge::{self, Limits, Plan, Verdict};
 use crate::study::{MeshSize, TableQuantity};
 use clap::Args;
 use stickslip::algebra::linear;
+use stickslip::body::mesh::MeshSource;
 use stickslip_output::paragraph;
 
 use super::study::{StudyFolder, changed, counted, pretty, print_results};
@@ -64,6 +65,15 @@ fn ratio(text: &str) -> Result<f64, String> {
     ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
 }
 
+/// Returns `true` if the mesh, or that of a body, is read from this file.
+fn reads(mesh: &MeshSource, path: &Path) -> bool {
+    match mesh {
+        MeshSource::File { file, .. } => file.canonicalize().is_ok_and(|file| file == path),
+        MeshSource::Bodies(bodies) => bodies.iter().any(|body| reads(&body.mesh, path)),
+        _ => false,
+    }
+}
+
 /// The files of a study. The last one is there if meshes refined themselves.
 const FILES: [&str; 4] = ["converge.csv", "converge.json", "converge.svg", "converge.msh"];
 
@@ -75,6 +85,11 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
     interrupt::listen();
     let scene = args.scene.read()?;
     let folder = StudyFolder::open(args.out.as_deref(), &FILES, COLUMNS)?;
+    let written = folder.as_ref().and_then(|folder| folder.path.join(FILES[3]).canonicalize().ok());
+    if let Some(file) = written.filter(|file| reads(&scene.description.mesh, file)) {
+        let message = format!("{}: the scene reads this mesh, and the study would replace it", file.display());
+        return Err(Failure::input(message, "choose another folder with --out"));
+    }
     let plan = Plan {
         sought: args.sought.clone(),
         meshes: args.meshes.clone(),

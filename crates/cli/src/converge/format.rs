@@ -7,7 +7,7 @@ use super::steps::{Series, Step, series};
 use super::{Convergence, Errors, Limit, Verdict};
 use crate::study::{csv, labelled, number, record};
 use stickslip::base::{Quantity, UnitSystem};
-use stickslip::run::report::{LargestPressure, SCHEMA_VERSION};
+use stickslip::run::report::{LargestPressure, SCHEMA_VERSION, Warning};
 use stickslip::solver::history::Status;
 use stickslip_output::{Table, msh};
 
@@ -220,7 +220,8 @@ impl Convergence {
         }));
         let slips = Some(("", format!("the last run ended early: {}", self.last.explanation.reason)));
         lines.extend(slips.filter(|_| self.last.status == Status::Slips));
-        lines.extend(self.last.warnings.iter().map(|warning| ("warning", warning.message.clone())));
+        let warning = |warning: &Warning| ("warning", format!("{}: {}", warning.kind.name, warning.message));
+        lines.extend(self.last.warnings.iter().map(warning));
         lines
     }
 
