@@ -104,12 +104,12 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
     let files = || {
-        // An earlier study may have left a mesh.
-        if let Some(folder) = &folder {
+        let mesh = study.to_msh();
+        // Another study may have left its mesh.
+        if let (Some(folder), None) = (&folder, &mesh) {
             drop(fs::remove_file(folder.path.join(FILES[3])));
         }
-        let contents = [study.to_csv(), json.clone(), study.chart().to_svg()?];
-        Ok(FILES.into_iter().zip(contents.into_iter().chain(study.to_msh())))
+        Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?].into_iter().chain(mesh)))
     };
     print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
     Ok(if study.result.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
