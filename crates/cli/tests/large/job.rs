@@ -91,12 +91,14 @@ impl Job {
         self.when(|job| job.output().contains(&mark).then_some(()));
     }
 
-    /// Returns the process numbers of the ranks.
+    /// Returns the process numbers of the ranks, wherever the launcher has started them. The arguments must name `OUT`.
     pub fn ranks(&mut self, count: usize) -> Vec<u32> {
-        let launcher = self.launcher.id();
-        let ranks = |_: &Job| {
-            let text = fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).ok()?;
-            let mut ranks: Vec<u32> = text.split_whitespace().map(|pid| pid.parse().unwrap()).collect();
+        let ranks = |job: &Self| {
+            let out = job.folder.join("out");
+            let is_ours =
+                |pid: &u32| fs::read(format!("/proc/{pid}/cmdline")).is_ok_and(|line| has_argument(&line, &out));
+            let all = fs::read_dir("/proc").ok()?.filter_map(|entry| entry.ok()?.file_name().to_str()?.parse().ok());
+            let mut ranks: Vec<u32> = all.filter(is_ours).collect();
             ranks.retain(|pid| environment(*pid, "OMPI_COMM_WORLD_RANK").is_some());
             ranks.sort_by_key(|pid| environment(*pid, "OMPI_COMM_WORLD_RANK"));
             (ranks.len() == count).then_some(ranks)
@@ -150,6 +152,11 @@ pub fn without_ours(command: &mut Command) {
     for (name, _) in std::env::vars().filter(|(name, _)| ["OMPI_", "PMIX_"].iter().any(|of| name.starts_with(of))) {
         command.env_remove(name);
     }
+}
+
+/// Returns `true` if a command line, whose arguments end with a zero each, has this one.
+fn has_argument(line: &[u8], argument: &str) -> bool {
+    line.split(|byte| *byte == 0).any(|one| one == argument.as_bytes())
 }
 
 /// Returns an environment variable of a process.

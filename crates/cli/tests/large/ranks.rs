@@ -20,13 +20,18 @@ use crate::whole::assert_whole;
 const SHARED: &[(&str, f64, u64)] = &[("mumps", 1e-11, 0), ("multigrid", 1e-10, 2)];
 
 /// A run that takes some seconds: a cube in many increments.
-const LONG: [&str; 11] = [
+///
+/// The tolerance is below that of the forces: a run that goes on begins without the hierarchies that the whole run has,
+/// and ends an increment at another state within the tolerance.
+const LONG: [&str; 13] = [
     "run",
     concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/cube.toml"),
     "--set",
     "mesh.elements=[9,9,9]",
     "--set",
     "time.increments=12",
+    "--set",
+    "solver.tolerance=1e-12",
     "--checkpoint-every",
     "0",
     "--resume",
@@ -40,7 +45,8 @@ fn long(solver: &str) -> Vec<&str> {
 
 /// Returns the report of an uninterrupted run.
 fn whole() -> Value {
-    let overrides = ["mesh.elements=[9,9,9]".parse().unwrap(), "time.increments=12".parse().unwrap()];
+    let overrides = ["mesh.elements=[9,9,9]", "time.increments=12", "solver.tolerance=1e-12"];
+    let overrides = overrides.map(|change| change.parse().unwrap());
     let scene = stickslip::scene::Scene::read(path("cube").as_ref(), &overrides).unwrap();
     let report = stickslip::run::Run::new(&scene).unwrap().solve(&mut ()).unwrap();
     serde_json::from_str(&report.to_json().unwrap()).unwrap()
@@ -263,7 +269,8 @@ fn memory_that_one_rank_is_refused_is_told() {
 #[test]
 fn who_is_not_needed_sleeps() {
     let cube = path("cube");
-    let mut job = Job::start(2, &["run", &cube, "--solver", SHARED[0].0, "--set", "mesh.elements=[20,20,20]"]);
+    let mut job =
+        Job::start(2, &["run", &cube, "--solver", SHARED[0].0, "--set", "mesh.elements=[20,20,20]", "--out", "OUT"]);
     job.when(|job| job.output().contains("set-up       mesh").then_some(()));
     let ranks = job.ranks(2);
     signal("-STOP", ranks[0]);
