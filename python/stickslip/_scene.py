@@ -341,7 +341,8 @@ class Model:
         uniqueness: bool = False, max_iterations: int | None = None, tolerance: float | None = None,
         checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None, _tells: bool = True,
     ) -> Result:
-        """Solves the history as the scene says.
+        """Solves the history as the scene says; where it has ``mesh.refine``, on the mesh that `refined` finds, which is then
+        ``result.model``.
 
         Parameters
         ----------
@@ -420,6 +421,7 @@ class Model:
 
             told = counted
 
+        self = self._as_said()
         options = {
             "uniqueness": bool(uniqueness), "max_iterations": most, "tolerance": tolerance,
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
@@ -470,7 +472,7 @@ def run(
     max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
     checkpoint_every: float | None = None,
 ) -> Result:
-    """Discretises a scene and solves it: `Model`, `Model.refined` if the scene has ``mesh.refine``, and `Model.run` in one.
+    """Discretises a scene and solves it: `Model` and `Model.run` in one.
 
     Parameters
     ----------
@@ -497,7 +499,7 @@ def run(
     >>> print(f"{result.p_n[-1].sum():.0f} N per m of depth")
     10000 N per m of depth
     """
-    return Model(scene, overrides, mesh=mesh)._as_said().run(
+    return Model(scene, overrides, mesh=mesh).run(
         linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
         max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint, checkpoint_every=checkpoint_every,
     )

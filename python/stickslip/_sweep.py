@@ -229,7 +229,7 @@ def sweep(
 
     def one(model: Model) -> Result:
         watch()
-        return model._as_said().run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _tells=False)
+        return model.run(linear=linear, keep_u=keep_u, uniqueness=uniqueness, callback=watch, _tells=False)
 
     with ThreadPoolExecutor(threads) as pool:
         runs = [pool.submit(one, model) for model in models]
