@@ -189,10 +189,10 @@ pub(super) fn refine(
             Err(StudyError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
-            Err(StudyError::NotRefined(status)) if !steps.is_empty() => {
-                let is_interrupted = status == Status::Interrupted;
+            Err(error @ (StudyError::NotRefined(_) | StudyError::NoValue { .. })) if !steps.is_empty() => {
+                let is_interrupted = matches!(error, StudyError::NotRefined(Status::Interrupted));
                 let verdict = if is_interrupted { Verdict::Interrupted } else { Verdict::NoFinerMesh };
-                break (verdict, StudyError::NotRefined(status).to_string());
+                break (verdict, error.to_string());
             }
             Err(error) => return Err(error),
         }
