@@ -199,7 +199,7 @@ PEERS = {
     "Siconos condensed, plane NSGS": ((2,), *SICONOS, siconos_condensed, "2D_NSGS"),
     "Siconos condensed, plane LEMKE": ((2,), *SICONOS, siconos_condensed, "2D_LEMKE"),
 }
-OWN = {f"stickslip {solver}": solver for solver in ("umfpack", "partial", "condensed")}
+OWN = {f"stickslip {solver}": solver for solver in ("auto", "umfpack", "partial", "condensed")}
 
 
 # A peer, in a process of its own.
