@@ -144,6 +144,7 @@ impl Run<'_> {
             largest_pressure: watches.estimates.largest_pressure(model, estimates),
             largest_force: key.largest_force(),
             holding_force: key.holding_force(estimates),
+            friction_use: key.friction_use(),
             friction: key.friction(estimates),
             stick_zone: estimates.stick_zone().cloned(),
             cycle: watches.cycle.as_ref().and_then(|cycle| cycle.report(model)),

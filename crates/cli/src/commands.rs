@@ -11,6 +11,7 @@ macro_rules! row {
 }
 
 mod bug;
+mod capacity;
 mod check;
 mod collection;
 mod compare;
@@ -124,6 +125,8 @@ enum Command {
     Compare(compare::CompareArgs),
     /// Refine mesh and increments of a scene until a quantity is known to an asked share
     Converge(converge::ConvergeArgs),
+    /// Find the factor by which a load may grow until the joint slips as a whole
+    Capacity(capacity::CapacityArgs),
     /// Run a scene for all combinations of several values of its keys, in parallel
     Sweep(sweep::SweepArgs),
     /// Solve a problem from an exchange file: FCLIB (HDF5) or Siconos text
@@ -243,6 +246,7 @@ impl Cli {
         match (&self.command, ranks::lead()?) {
             (Command::Compare(_), count) => ranks::refuse("compare", count)?,
             (Command::Converge(_), count) => ranks::refuse("converge", count)?,
+            (Command::Capacity(_), count) => ranks::refuse("capacity", count)?,
             (Command::Sweep(_), count) => ranks::refuse("sweep", count)?,
             _ => {}
         }
@@ -251,6 +255,7 @@ impl Cli {
             Command::Check(args) => check::check(args).map(|()| ExitStatus::Success),
             Command::Compare(args) => compare::compare(args, threads, &self.invocation),
             Command::Converge(args) => converge::converge(args, &self.invocation),
+            Command::Capacity(args) => capacity::capacity(args, &self.invocation),
             Command::Sweep(args) => sweep::sweep(args, self),
             Command::Solve(args) => solve::solve_file(args),
             Command::Judge(args) => solve::judge_file(args),

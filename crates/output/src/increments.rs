@@ -4,7 +4,7 @@ use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{AppliedForce, BalanceRecord, PointRecord, SectionRecord};
 use stickslip::run::report::{Columns, csv_line, csv_number};
-use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
+use stickslip::run::report::{ComponentSums, ContactSlip, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::Event;
 use stickslip::solver::history::IncrementRecord;
 
@@ -71,7 +71,8 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
 pub(super) fn forces_header(dimension: usize, several: bool, coupled: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let [forces, motions] = [force_columns(dimension), &motion_columns(dimension, coupled)];
-    csv_line(&[&["index", "time", "boundary"], forces, &["kind", "balance"], obstacle, motions].concat())
+    let slip = &["slip", "friction_used"];
+    csv_line(&[&["index", "time", "boundary"], forces, &["kind", "balance"], obstacle, motions, slip].concat())
 }
 
 /// Returns the columns of force, moment and sums of components.
@@ -89,6 +90,9 @@ fn motion_columns(dimension: usize, coupled: bool) -> Vec<&'static str> {
     [&["u_x", "u_y", "u_z"][..dimension], if coupled { rotations } else { &[] }].concat()
 }
 
+/// No obstacle and no slip.
+const NONE: (&str, [String; 2]) = ("", [String::new(), String::new()]);
+
 /// Formats the force lines of an increment: the forces on the obstacles in front of each boundary, on each single
 /// obstacle if there are several, then the forces of supports, springs and loads on the body, the reference points, and the sections with a pretension.
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
@@ -103,7 +107,7 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
                 [moved, turned]: [&[f64]; 2],
                 sums: [Option<f64>; 3],
                 kind: &str,
-                obstacle: &str| {
+                (obstacle, slip): (&str, [String; 2])| {
         let padded = |x: &[f64], length: usize| (0..length).map(|k| x.get(k).copied()).collect::<Vec<_>>();
         let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
         let moment = padded(moment, if dimension == 2 { 1 } else { 3 });
@@ -111,30 +115,33 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
         fields.extend([kind.to_string(), csv_number(*balance)]);
         fields.extend(several.then(|| obstacle.to_string()));
         fields.extend(motions.cells([padded(moved, dimension), padded(turned, 3)].concat()));
+        fields.extend(slip);
         csv_line(&fields)
     };
     let components = |sums: &ComponentSums| [Some(sums.sum_p_n), Some(sums.sum_p_t), sums.sum_p_o];
     let on_each = |at: &str, on: &OnObstacle| {
-        line(at, &on.force, &on.moment, [&[]; 2], components(&on.sums), "obstacle", &on.obstacle)
+        line(at, &on.force, &on.moment, [&[]; 2], components(&on.sums), "obstacle", (&on.obstacle, NONE.1))
     };
     let on_obstacle = |record: &ForceRecord| {
         let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
-        let all = line(boundary, force, moment, [&[]; 2], components(sums), "contact", "");
+        let named = |slip: ContactSlip| format!("{slip:?}").to_lowercase();
+        let slip = [record.slip.map(named), record.friction_used.map(csv_number)].map(Option::unwrap_or_default);
+        let all = line(boundary, force, moment, [&[]; 2], components(sums), "contact", ("", slip));
         let other_side =
-            opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [&[]; 2], [None; 3], "opposite", ""));
+            opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [&[]; 2], [None; 3], "opposite", NONE));
         [all].into_iter().chain(other_side).chain(obstacles.iter().map(|on| on_each(boundary, on))).collect::<String>()
     };
     let mut lines: String = contact.iter().map(on_obstacle).collect();
     for (kind, acting) in [("support", supports), ("spring", springs), ("load", loads)] {
         lines.extend(acting.iter().map(|AppliedForce { at, force, moment, displacement }| {
-            line(at, force, moment, [displacement, &[]], [None; 3], kind, "")
+            line(at, force, moment, [displacement, &[]], [None; 3], kind, NONE)
         }));
     }
     lines.extend(couplings.iter().map(|PointRecord { at, force, moment, displacement, rotation }| {
-        line(at, force, moment, [displacement, rotation], [None; 3], "coupling", "")
+        line(at, force, moment, [displacement, rotation], [None; 3], "coupling", NONE)
     }));
     lines.extend(pretensions.iter().map(|SectionRecord { at, force, moment, displacement, .. }| {
-        line(at, force, moment, [displacement, &[]], [None; 3], "pretension", "")
+        line(at, force, moment, [displacement, &[]], [None; 3], "pretension", NONE)
     }));
     lines
 }

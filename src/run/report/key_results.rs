@@ -5,6 +5,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::estimates::Estimates;
+use super::friction_use::FrictionUse;
 use super::largest::is_as_large;
 use super::resultant::ForceRecord;
 use crate::algebra::vector::dot;
@@ -158,6 +159,7 @@ const NO_RESULTANT: f64 = 1e-12;
 pub struct KeyWatch {
     largest: Option<(LargestForce, Moment)>,
     holding: Option<(HoldingForce, Moment)>,
+    friction_use: Vec<FrictionUse>,
     work: f64,
 }
 
@@ -168,6 +170,7 @@ impl KeyWatch {
             return;
         }
         self.work += step.record.friction_work;
+        FrictionUse::observe(&mut self.friction_use, forces);
         let first = usize::from(geometry == Geometry::Axisymmetric);
         for (k, ForceRecord { time, resultant, .. }) in forces.iter().enumerate() {
             let (boundary, time) = (resultant.boundary.clone(), *time);
@@ -225,6 +228,11 @@ impl KeyWatch {
     /// Returns the largest force with its errors; `None` without contact.
     pub(in crate::run) fn largest_force(&self) -> Option<LargestForce> {
         self.largest.as_ref().map(|(largest, _)| largest.clone())
+    }
+
+    /// Returns the friction of each contact that is in use, where there is friction.
+    pub(in crate::run) fn friction_use(&self) -> Vec<FrictionUse> {
+        self.friction_use.clone()
     }
 
     /// Returns the friction work with its errors; `None` if nothing slipped.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::friction_use::ContactSlip;
 use crate::body::contact::ContactBoundary;
 use crate::body::model::{Model, Wrench};
 use crate::solver::history::IncrementView;
@@ -82,6 +83,12 @@ pub struct ForceRecord {
     /// The resultant.
     #[serde(flatten)]
     pub resultant: Resultant,
+    /// The slip of a boundary with friction.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slip: Option<ContactSlip>,
+    /// The share of its friction in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub friction_used: Option<f64>,
 }
 
 impl Resultant {
@@ -170,9 +177,11 @@ impl ForceRecord {
     /// Returns the records of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
         let (index, time) = (step.record.index, step.record.time);
-        Resultant::all(model, time, step.state)
-            .into_iter()
-            .map(|resultant| ForceRecord { index, time, resultant })
-            .collect()
+        let record = |boundary: &ContactBoundary| {
+            let resultant = Resultant::of(model, time, step.state, boundary);
+            let (slip, friction_used) = ContactSlip::of(model, step, boundary, &resultant.sums).unzip();
+            ForceRecord { index, time, resultant, slip, friction_used }
+        };
+        model.contact.boundaries.iter().map(record).collect()
     }
 }

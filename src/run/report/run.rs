@@ -6,6 +6,7 @@ use super::balance::BalanceRecord;
 use super::cycle::CycleReport;
 use super::estimates::Estimates;
 use super::explain::Explanation;
+use super::friction_use::FrictionUse;
 use super::history_curves::HistoryCurves;
 use super::key_results::{FrictionResult, HoldingForce, LargestForce};
 use super::pairs::PairRecord;
@@ -73,6 +74,9 @@ pub struct RunReport {
     /// The largest tangential force of a contact.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub holding_force: Option<HoldingForce>,
+    /// The use of the friction of each contact that has some.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub friction_use: Vec<FrictionUse>,
     /// The friction work, if anything slipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionResult>,

@@ -66,7 +66,7 @@ enum Source {
 /// A column of `forces.csv`: its name, the key of the report with its numbers, and the axis if the key has a vector.
 type Column = (&'static str, &'static str, Option<usize>);
 
-const COLUMNS: [Column; 15] = [
+const COLUMNS: [Column; 16] = [
     ("f_x", "force", Some(0)),
     ("f_y", "force", Some(1)),
     ("f_z", "force", Some(2)),
@@ -82,6 +82,7 @@ const COLUMNS: [Column; 15] = [
     ("sum_p_n", "sum_p_n", None),
     ("sum_p_t", "sum_p_t", None),
     ("sum_p_o", "sum_p_o", None),
+    ("friction_used", "friction_used", None),
 ];
 
 const FUNCTIONS: [&str; 4] = ["max", "min", "last", "size"];

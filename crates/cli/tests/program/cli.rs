@@ -84,7 +84,7 @@ fn a_good_run_fills_its_folder() {
     // The forces of each increment. The final ones agree with those of the contact nodes and balance the loads and the
     // wall.
     let (header, forces) = csv(&out.join("forces.csv"));
-    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,u_x,u_y");
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,u_x,u_y,slip,friction_used");
     let kinds: Vec<&str> = forces.iter().map(|row| row[8].as_str()).collect();
     assert_eq!(kinds, ["contact", "support", "load", "load"].repeat(4));
     let forces: Vec<Vec<String>> = forces.into_iter().filter(|row| row[8] == "contact").collect();
@@ -95,6 +95,19 @@ fn a_good_run_fills_its_folder() {
     for (k, expected) in [(3, total(&|row| value(row, 10))), (4, total(&|row| value(row, 11))), (5, total(&moment))] {
         assert!((value(&forces[3], k) - expected).abs() < 1e-9 * value(&forces[3], 6), "{k}: {expected}");
     }
+    // The friction in use, and the slip as the statuses of the nodes say.
+    let (mu, row) = (0.4, &forces[3]);
+    assert!((value(row, 13) - value(row, 7).abs() / (mu * value(row, 6))).abs() < 1e-12);
+    let statuses = |status: &str| nodes.iter().any(|row| row[12] == status);
+    let slip = match (statuses("stick"), statuses("slip")) {
+        (true, true) => "partial",
+        (true, false) => "stick",
+        (false, _) => "whole",
+    };
+    let used = &written["friction_use"][0];
+    assert_eq!((&row[12], &used["end"]), (&slip.to_string(), &Value::from(slip)));
+    let largest = forces.iter().map(|row| value(row, 13)).fold(0.0, f64::max);
+    assert!((number(&used["largest"]) - largest).abs() < 1e-12);
     let end = &written["boundaries"][0];
     assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
     assert_eq!(written["forces"][3]["force"], end["force"]);

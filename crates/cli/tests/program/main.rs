@@ -8,6 +8,7 @@ mod program;
 mod whole;
 
 mod blas_kernel;
+mod capacity;
 mod check;
 mod cli;
 mod cli_failures;

@@ -114,7 +114,10 @@ fn several_obstacles_are_told_apart() {
     assert!(stdout(&said).contains(" of it on contact[0].obstacle[1]\n"), "{}", stdout(&said));
     let report: serde_json::Value = serde_json::from_str(&fs::read_to_string(report).unwrap()).unwrap();
     let (header, rows) = csv(&folder.0.join("out/forces.csv"));
-    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,obstacle,u_x,u_y");
+    assert_eq!(
+        header,
+        "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,obstacle,u_x,u_y,slip,friction_used"
+    );
     let (head, nodes) = csv(&folder.0.join("out/contact_0004.csv"));
     assert!(head.ends_with(",t_x,t_y,sigma_along,sigma_across,von_mises,obstacle"), "{head}");
     let column = |name: &str| head.split(',').position(|column| column == name).unwrap();

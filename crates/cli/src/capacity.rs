@@ -1,0 +1,137 @@
+//! The capacity of a joint: the factor by which a load may grow beyond its last value until the joint slips as a whole.
+//!
+//! The history goes on after its end, with all other loads and motions as they are there, while the load doubles again and
+//! again. The run ends where friction can no longer balance the loads, between two times; it is repeated with more
+//! increments between them until they are close. The exact path finds the time itself.
+
+use serde_json::{Value, json};
+
+use stickslip::base::within;
+use stickslip::run::report::{JointSlip, RunReport};
+use stickslip::run::{Run, RunError};
+use stickslip::scene::Scene;
+use stickslip::solver::history::{Observer, Status};
+
+/// The number of times that the load doubles, and the increments of each time.
+const DOUBLINGS: u32 = 10;
+const INCREMENTS: u32 = 8;
+
+/// The largest difference of the factors between which the joint slips, relative, the number of increments between them in
+/// another run, and the number of runs.
+const CLOSE: f64 = 2e-3;
+const FINER: u32 = 32;
+const RUNS: usize = 3;
+
+/// The capacity of a joint for a load.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Capacity {
+    /// The number of the load, from 0.
+    pub load: usize,
+    /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint slips;
+    /// `None` if the joint does not slip as a whole.
+    pub between: Option<[f64; 2]>,
+    /// The report of the run.
+    pub report: RunReport,
+}
+
+/// Finds the capacity of `scene` for this `load`, by its number from 0. `observer` sees the run, and may stop it.
+///
+/// # Errors
+/// Without such a load, and if its last value is 0, in words; if the run cannot be prepared or go on.
+pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Result<Result<Capacity, String>, RunError> {
+    let mut longer = scene.clone();
+    let last = match extend(&mut longer, load) {
+        Ok(last) => last,
+        Err(message) => return Ok(Err(message)),
+    };
+    let of_load = |slip: &JointSlip| slip.factors.iter().find(|changing| changing.load == load).map(|of| of.between);
+    let mut runs = 0;
+    loop {
+        runs += 1;
+        let report = Run::new(&longer)?.solve(observer)?;
+        let slip = report.explanation.slip.as_ref();
+        let is_exact = scene.solver.method.is_exact_path();
+        let between = slip.and_then(of_load).map(|[holds, slips]| [holds, if is_exact { holds } else { slips }]);
+        let between = between.map(|factors| factors.map(|factor| factor / last));
+        let is_close = between.is_none_or(|[holds, slips]| slips - holds <= CLOSE * slips);
+        if let (Some(slip), false, false) = (slip, is_close, runs == RUNS) {
+            let [from, by] = slip.between;
+            longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
+            longer.description.times = longer.time.all();
+            continue;
+        }
+        return Ok(Ok(Capacity { load, between, report }));
+    }
+}
+
+/// Lets the history go on while the load doubles. Returns its factor at the end so far.
+fn extend(scene: &mut Scene, load: usize) -> Result<f64, String> {
+    let (end, step) = (scene.time.end, scene.time.end / scene.time.increments as f64);
+    let description = &mut scene.description;
+    let number = description.loads.len();
+    let history = description.loads.get(load).map(|load| within(end, &load.factors(end)));
+    let mut points = history.ok_or(format!("there is no load[{load}]: the scene has {number} loads, from 0"))?;
+    let last = points.pop().map_or(0.0, |[_, last]| last);
+    if last == 0.0 {
+        return Err(format!("load[{load}] is 0 at the end of the history, and no factor makes it larger"));
+    }
+    // What grows until the end by default, or goes on after it, stays as it is at the end.
+    description.loads.iter_mut().for_each(|load| load.history = Some(within(end, &load.factors(end))));
+    description.supports.iter_mut().for_each(|support| support.history = Some(within(end, &support.factors(end))));
+    description.pretensions.iter_mut().for_each(|given| given.history = Some(within(end, &given.factors(end))));
+    points.extend((0..=DOUBLINGS).map(|k| [end + f64::from(k * INCREMENTS) * step, last * f64::from(1 << k)]));
+    description.loads[load].history = Some(points);
+    scene.time.end = end + f64::from(DOUBLINGS * INCREMENTS) * step;
+    scene.time.increments += (DOUBLINGS * INCREMENTS) as usize;
+    description.times = scene.time.all();
+    Ok(last)
+}
+
+impl Capacity {
+    /// Returns `true` if the joint holds the load as it is at the end.
+    pub fn holds(&self) -> bool {
+        self.between.map_or(self.report.status == Status::Converged, |[holds, _]| holds >= 1.0)
+    }
+
+    /// Returns the factor that the joint holds, in words.
+    pub fn safety(&self) -> String {
+        match self.between {
+            Some([holds, _]) => format!("{holds:.4}"),
+            None if self.report.status == Status::Converged => format!("above {}", 1 << DOUBLINGS),
+            None => "unknown".to_string(),
+        }
+    }
+
+    /// Returns the capacity in a sentence, with the motion.
+    pub fn sentence(&self) -> String {
+        let (load, most) = (self.load, 1 << DOUBLINGS);
+        match (self.between, &self.report.explanation.slip, self.report.status) {
+            (Some([holds, slips]), Some(slip), _) => {
+                let motion = &slip.motion;
+                format!("load[{load}] times {holds:.4} holds; beyond {slips:.4} the joint slips as a whole: {motion}")
+            }
+            (None, Some(slip), _) => {
+                let [from, by] = slip.between;
+                format!("the joint slips as a whole between t = {from} s and {by} s, where load[{load}] is constant")
+            }
+            (_, _, Status::Converged) => format!("the joint holds {most} times load[{load}] without slip as a whole"),
+            (_, _, status) => {
+                format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
+            }
+        }
+    }
+
+    /// Returns the capacity as one JSON object.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "title": self.report.title,
+            "load": self.load,
+            "safety": self.between.map(|[holds, _]| holds),
+            "between": self.between,
+            "status": self.report.status,
+            "message": self.sentence(),
+            "slip": self.report.explanation.slip,
+            "warnings": self.report.warnings,
+        })
+    }
+}

@@ -1,0 +1,40 @@
+//! `stickslip capacity`.
+
+use clap::Args;
+use stickslip::algebra::linear;
+use stickslip_output::paragraph;
+
+use super::study::{changed, pretty, print_results};
+use super::{ExitStatus, Failure, Invocation, SceneArgs, interrupt};
+use crate::capacity;
+
+#[derive(Args)]
+pub(super) struct CapacityArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The load that grows, by its number in the scene from 0
+    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
+    load: usize,
+    /// Print only the results, as one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Exit status 1: the joint does not hold the load, or its capacity is not known.
+pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<ExitStatus, Failure> {
+    interrupt::listen();
+    let scene = args.scene.read()?;
+    linear::process::keep_freed_memory();
+    let found = capacity::compute(&scene, args.load, &mut interrupt::UntilInterrupted)?;
+    let found = found.map_err(|message| Failure::input(message, "name a load that is not 0 at the end with --load"))?;
+    let json = pretty(&changed(found.to_json(), &args.scene, &invocation.command_line()))?;
+    let mut text = format!("{}\n\n", scene.title);
+    text.push_str(&paragraph("safety", &format!("{} against slip as a whole", found.safety())));
+    text.push_str(&paragraph("capacity", &found.sentence()));
+    let warning = |warning: &stickslip::run::report::Warning| {
+        paragraph("warning", &format!("{}: {}", warning.kind.name, warning.message))
+    };
+    text.extend(found.report.warnings.iter().map(warning));
+    print_results(None, args.json.then_some(&json), &text, || Ok(Vec::<(&str, String)>::new()))?;
+    Ok(if found.holds() { ExitStatus::Success } else { ExitStatus::NotConverged })
+}

@@ -1,0 +1,76 @@
+//! `stickslip capacity` against closed forms.
+
+use serde_json::Value;
+
+use crate::program::{Folder, stickslip};
+
+/// A body on a plane, pressed by the first load and pushed by the second one.
+fn scene(size: &str, elements: &str, against: &str, loads: [&str; 2], more: &str) -> String {
+    let [press, push] = loads;
+    format!(
+        "mesh = {{ kind = \"block\", size = {size}, elements = {elements} }}\n\
+         material = {{ young = 210e9, poisson = 0.3 }}\n\
+         {more}\n\
+         [[contact]]\nboundary = \"bottom\"\nfriction = 0.3\nobstacle = {against}\n\
+         [[load]]\nboundary = \"top\"\n{press}\nhistory = [[0, 0], [1, 1]]\n\
+         [[load]]\nboundary = \"left\"\n{push}\nhistory = [[1, 0], [2, 1]]\n\
+         [time]\nend = 2\nincrements = 4\n"
+    )
+}
+
+fn capacity(text: &str, load: usize, more: &[&str]) -> (Option<i32>, Value) {
+    let (_folder, path) = Folder::with_scene(text);
+    let output = stickslip(&[&["capacity", &path, "--json", "--load", &load.to_string()], more].concat());
+    let error = String::from_utf8_lossy(&output.stderr).replace('│', "");
+    let error = Value::from(error.split_whitespace().collect::<Vec<_>>().join(" "));
+    (output.status.code(), serde_json::from_slice(&output.stdout).unwrap_or(error))
+}
+
+#[test]
+fn capacities_are_those_of_closed_forms() {
+    let plane = "{ kind = \"plane\" }";
+    let flat = |press, push, more| scene("[2, 1]", "[8, 4]", plane, [press, push], more);
+    // A plane that rises by 0.1 rad along x: the weight drives the body down, against the push.
+    let [sin, cos] = [0.1_f64.sin(), 0.1_f64.cos()];
+    let inclined = format!("{{ kind = \"formula\", formula = \"0 * x\", normal = [{sin}, {}] }}", -cos);
+    let solid = |push| scene("[2, 2, 1]", "[4, 4, 2]", plane, ["force = [0, 0, -1000]", push], "");
+    let cases = [
+        ("pushed", flat("force = [0, -1000]", "force = [100, 0]", ""), 3.0),
+        ("pulled", flat("force = [0, -1000]", "force = [-100, 0]", ""), 3.0),
+        ("pushed too much", flat("force = [0, -1000]", "force = [400, 0]", ""), 0.75),
+        // A push that lifts: 3 F = 0.3 (1000 - F).
+        ("lifted", flat("force = [0, -1000]", "force = [30, 10]", ""), 0.3 * 1000.0 / (30.0 + 0.3 * 10.0)),
+        ("pressed besides", flat("force = [0, -1000]", "force = [30, -10]", ""), 0.3 * 1000.0 / (30.0 - 0.3 * 10.0)),
+        (
+            "up the slope",
+            scene("[2, 1]", "[8, 4]", &inclined, ["force = [0, -1000]", "force = [100, 0]"], ""),
+            10.0 * (sin + 0.3 * cos) / (cos - 0.3 * sin),
+        ),
+        (
+            "down the slope",
+            scene("[2, 1]", "[8, 4]", &inclined, ["force = [0, -1000]", "force = [-100, 0]"], ""),
+            10.0 * (0.3 * cos - sin) / (cos + 0.3 * sin),
+        ),
+        ("along x", solid("force = [50, 0, 0]"), 6.0),
+    ];
+    for (name, text, expected) in cases {
+        let (status, found) = capacity(&text, 1, &[]);
+        let [holds, slips] = [0, 1].map(|k| found["between"][k].as_f64().unwrap_or(f64::NAN));
+        println!("{name}: {holds} to {slips}, {expected}");
+        assert!(holds <= expected * 1.001 && slips >= expected * 0.999 && slips / holds < 1.003, "{name}: {found}");
+        assert_eq!(status, Some(i32::from(expected < 1.0)), "{name}");
+    }
+    // The exact path finds the very load.
+    let (_, found) = capacity(&flat("force = [0, -1000]", "force = [100, 0]", ""), 1, &["--method", "events"]);
+    assert!(found["safety"].as_f64().is_some_and(|safety| (safety - 3.0).abs() < 1e-9), "{found}");
+    // More pressure never lets it slip.
+    let (status, found) = capacity(&flat("force = [0, -1000]", "force = [100, 0]", ""), 0, &[]);
+    assert_eq!((status, &found["between"]), (Some(0), &Value::Null), "{found}");
+    for (load, more, message) in [
+        (2, &[][..], "there is no load[2]: the scene has 2 loads"),
+        (1, &["--set", "load[1].history=[[1,0],[1.5,1],[2,0]]"], "load[1] is 0 at the end"),
+    ] {
+        let (status, error) = capacity(&flat("force = [0, -1000]", "force = [100, 0]", ""), load, more);
+        assert!(status == Some(2) && error.to_string().contains(message), "{error}");
+    }
+}

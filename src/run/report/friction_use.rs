@@ -1,0 +1,102 @@
+//! The friction of each contact that is in use, and the times at which it slips.
+
+use serde::{Deserialize, Serialize};
+
+use super::largest::is_as_large;
+use super::resultant::{ComponentSums, ForceRecord};
+use crate::body::contact::ContactBoundary;
+use crate::body::model::Model;
+use crate::solver::history::IncrementView;
+use crate::solver::laws::ContactStatus;
+
+/// The slip of a contact with friction at the end of an increment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ContactSlip {
+    /// No node touches.
+    Open,
+    /// All nodes that touch stick.
+    Stick,
+    /// Some nodes stick, others slip.
+    Partial,
+    /// All nodes that touch slip.
+    Whole,
+}
+
+/// The friction of a contact over a history.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
+#[non_exhaustive]
+pub struct FrictionUse {
+    /// The boundary.
+    pub boundary: String,
+    /// The largest share in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`: the contact slips as a whole in one direction at 1.
+    pub largest: f64,
+    /// The time at which it is in use, s.
+    pub time: f64,
+    /// The end of the first increment after which some nodes slip, s; `None` if all stick.
+    pub slips_from: Option<f64>,
+    /// The end of the first increment after which all nodes that touch slip, s.
+    pub slips_wholly_from: Option<f64>,
+    /// The slip at the end.
+    pub end: ContactSlip,
+}
+
+impl ContactSlip {
+    /// Returns the slip of a `boundary` with these resultants after a step, and the share of its friction in use; `None`
+    /// without friction.
+    pub(super) fn of(
+        model: &Model,
+        step: &IncrementView<'_>,
+        boundary: &ContactBoundary,
+        sums: &ComponentSums,
+    ) -> Option<(Self, f64)> {
+        let (mut sticks, mut slips, mut most, mut has_friction) = (false, false, 0.0, false);
+        for (i, part) in boundary.shares(&model.contact.nodes).filter(|(i, _)| step.increment.mu[*i] > 0.0) {
+            has_friction = true;
+            sticks |= step.statuses[i] == ContactStatus::Stick;
+            slips |= step.statuses[i] == ContactStatus::Slip;
+            most += part * step.increment.mu[i] * step.state.p_n[i].max(0.0);
+        }
+        let slip = match (sticks, slips) {
+            (false, false) => ContactSlip::Open,
+            (true, false) => ContactSlip::Stick,
+            (true, true) => ContactSlip::Partial,
+            (false, true) => ContactSlip::Whole,
+        };
+        let force = sums.sum_p_t.hypot(sums.sum_p_o.unwrap_or(0.0));
+        has_friction.then_some((slip, if most > 0.0 { force / most } else { 0.0 }))
+    }
+}
+
+impl FrictionUse {
+    /// Takes the `forces` after an increment over into the records `so_far`.
+    pub(super) fn observe(so_far: &mut Vec<Self>, forces: &[ForceRecord]) {
+        for ForceRecord { time, resultant, slip, friction_used, .. } in forces {
+            let (Some(slip), Some(used)) = (*slip, *friction_used) else { continue };
+            let known = so_far.iter_mut().position(|of| of.boundary == resultant.boundary);
+            let k = known.unwrap_or(so_far.len());
+            if known.is_none() {
+                so_far.push(FrictionUse {
+                    boundary: resultant.boundary.clone(),
+                    largest: 0.0,
+                    time: *time,
+                    slips_from: None,
+                    slips_wholly_from: None,
+                    end: slip,
+                });
+            }
+            let of = &mut so_far[k];
+            if !is_as_large(of.largest, used) {
+                (of.largest, of.time) = (used, *time);
+            }
+            of.end = slip;
+            let is_whole = slip == ContactSlip::Whole;
+            if is_whole || slip == ContactSlip::Partial {
+                of.slips_from.get_or_insert(*time);
+            }
+            if is_whole {
+                of.slips_wholly_from.get_or_insert(*time);
+            }
+        }
+    }
+}
