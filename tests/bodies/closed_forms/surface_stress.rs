@@ -1,5 +1,5 @@
 //! Stresses recovered at the nodes and along the contact surface, beside closed forms: how far they are off, and how fast
-//! that falls with the size of the elements. doc/method/estimates.md has the figures, which `--nocapture` prints.
+//! that falls with the size of the elements. doc/method/element-errors.md has the figures, which `--nocapture` prints.
 
 use crate::common;
 use crate::common::prelude::*;
