@@ -1,5 +1,5 @@
 //! Published cases and closed forms of contact: shrink fit, flat punch, receding contact, stick under a growing load.
-//! `doc/method/verification.md` has the figures, which `--nocapture` prints.
+//! `doc/method/verification-bodies.md` has the figures, which `--nocapture` prints.
 
 use crate::common::prelude::*;
 

@@ -1,5 +1,5 @@
 //! Bonded blocks of rubber that are pressed: how far elements for bodies that hardly change their volume are from fine bricks with B-bar.
-//! The tables of doc/method/verification.md are what the last two tests print.
+//! The tables of doc/method/verification-bodies.md are what the last two tests print.
 
 use crate::common::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Deformable bodies in front of each other. Figures without a closed form are those of a program that shares nothing with this one.
 
-// Figures as that program prints them; those of doc/method/verification.md with --nocapture.
+// Figures as that program prints them; those of doc/method/verification-bodies.md with --nocapture.
 #![allow(clippy::unreadable_literal)]
 
 mod chains;

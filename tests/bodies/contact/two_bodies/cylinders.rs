@@ -151,7 +151,7 @@ fn converge_to_the_closed_form() {
 }
 
 #[test]
-#[ignore = "takes minutes; doc/method/verification.md has the figures"]
+#[ignore = "takes minutes; doc/method/verification-bodies.md has the figures"]
 fn table_of_cylinders() {
     for slave in [Side::Upper, Side::Lower] {
         assert_converges(&[[8, 12], [16, 24], [32, 48]], slave);

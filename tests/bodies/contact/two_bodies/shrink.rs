@@ -107,7 +107,7 @@ fn of_rings() {
 }
 
 #[test]
-#[ignore = "takes a minute; doc/method/verification.md has the figures"]
+#[ignore = "takes a minute; doc/method/verification-bodies.md has the figures"]
 fn table_of_rings() {
     use CellKind::{Quadrilateral, Triangle, Triangle6};
     for shape in [Ring::Quarter, Ring::Section] {

@@ -96,7 +96,7 @@ fn of_the_section() {
 }
 
 #[test]
-#[ignore = "takes minutes; doc/method/verification.md has the figures"]
+#[ignore = "takes minutes; doc/method/verification-bodies.md has the figures"]
 fn table_of_spheres() {
     assert_converges(Body::Section, &[[8, 12], [16, 24], [32, 48]], Side::Upper);
     assert_converges(Body::Quarter, &[[4, 6], [6, 9]], Side::Upper);

@@ -134,7 +134,7 @@ fn converges_to_the_closed_form() {
 }
 
 #[test]
-#[ignore = "takes minutes; doc/method/verification.md has the figures"]
+#[ignore = "takes minutes; doc/method/verification-bodies.md has the figures"]
 fn table_of_stick() {
     assert_converges(&[[10, 15], [20, 30], [40, 60]], Side::Upper, 0.95, [0.0064, 0.0201]);
 }
