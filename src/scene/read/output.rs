@@ -34,7 +34,7 @@ pub(super) struct OutputTable {
     /// Example: `magnification = 100`. Default: automatic.
     #[schemars(extend("minimum" = 0))]
     pub magnification: Option<f64>,
-    /// Load cycle whose slip, friction work and stresses are written to [`cycle.csv`](../results.md#columns) and
+    /// Load cycle whose slip, friction work and stresses are written to [`cycle.csv`](../files.md#columns) and
     /// `run.json`. Increments end at both times. `"last"`: the last whole cycle. It ends with the last increment in
     /// which a load changes, and begins one period earlier: loads, motions and friction factors have the same
     /// values there, and change in the same direction.

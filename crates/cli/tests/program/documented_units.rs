@@ -65,7 +65,7 @@ fn every_documented_number_has_its_quantity() {
             assert_eq!(key_quantity(name), quantity(unit), "{key}");
         }
     }
-    let (results, header) = (page("results.md"), "| column | unit |");
+    let (results, header) = (page("files.md"), "| column | unit |");
     for (at, _) in results.match_indices(header) {
         for (columns, cells) in rows(&results[at..], header) {
             for column in columns {
