@@ -1,4 +1,5 @@
-//! The error of the mesh in the energy norm beside what a run says of it. doc/method/element-errors.md has the figures, which `--nocapture` prints.
+//! The error of the mesh in the energy norm beside what a run says of it. doc/method/element-errors.md has the figures,
+//! which `--nocapture` prints.
 
 use crate::closed_forms::estimates::solved;
 use crate::common::prelude::*;
