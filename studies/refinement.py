@@ -83,6 +83,10 @@ MINDLIN = ["mesh.cells=triangle6", "mesh.element=bilinear"]
 FIT = ["body.mesh.cells=triangle"]
 
 
+# Seconds after which a run of the table is left.
+LIMIT = 400
+
+
 def blocks(form, numbers):
     return [[f"mesh.elements={form.format(*(round(k * n) for n in numbers))}"] for k in (1, 2, 4, 8, 16, 32)]
 
@@ -113,12 +117,12 @@ CASES = [
 ]
 
 
-def run(program, command, scene, overrides, more=()):
+def run(program, command, scene, overrides, more=(), limit=None):
     """The JSON object that a command prints, and its CPU seconds."""
     words = [program, command, scene, *(word for override in overrides for word in ("--set", override))]
     before = os.times()
     try:
-        output = subprocess.run([*words, *more, "--threads", "1", "--json"], capture_output=True, text=True, timeout=400)
+        output = subprocess.run([*words, *more, "--threads", "1", "--json"], capture_output=True, text=True, timeout=limit)
     except subprocess.TimeoutExpired:
         return None, None
     after = os.times()
@@ -171,9 +175,9 @@ def study(program, case, folder):
     kinds = [("uniform", " ".join(mesh), sets + mesh) for mesh in uniform]
     kinds += [("refined", f"{key}={error}", [*first, f"{key}={error}"]) for error in case["refine"]]
     for kind, name, overrides in kinds:
-        report, seconds = run(program, "run", scene, overrides)
+        report, seconds = run(program, "run", scene, overrides, limit=LIMIT)
         if report is None:
-            print(f"{case['name']}, {kind}, {name}: left after 400 s")
+            print(f"{case['name']}, {kind}, {name}: left after {LIMIT} s")
             continue
         found = values(report)
         for quantity in case["quantities"]:

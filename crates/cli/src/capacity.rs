@@ -71,7 +71,8 @@ fn extend(scene: &mut Scene, load: usize) -> Result<f64, String> {
     let number = description.loads.len();
     let history = description.loads.get(load).map(|load| within(end, &load.factors(end)));
     let mut points = history.ok_or(format!("there is no load[{load}]: the scene has {number} loads, from 0"))?;
-    let last = points.pop().map_or(0.0, |[_, last]| last);
+    let last = points.last().map_or(0.0, |[_, last]| *last);
+    points.retain(|[time, _]| *time < end);
     if last == 0.0 {
         return Err(format!("load[{load}] is 0 at the end of the history, and no factor makes it larger"));
     }

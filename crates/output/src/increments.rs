@@ -71,7 +71,7 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
 pub(super) fn forces_header(dimension: usize, several: bool, coupled: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
     let [forces, motions] = [force_columns(dimension), &motion_columns(dimension, coupled)];
-    let slip = &["slip", "friction_used"];
+    let slip = &["slip_state", "friction_used"];
     csv_line(&[&["index", "time", "boundary"], forces, &["kind", "balance"], obstacle, motions, slip].concat())
 }
 
@@ -125,7 +125,7 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     let on_obstacle = |record: &ForceRecord| {
         let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
         let named = |slip: ContactSlip| format!("{slip:?}").to_lowercase();
-        let slip = [record.slip.map(named), record.friction_used.map(csv_number)].map(Option::unwrap_or_default);
+        let slip = [record.slip_state.map(named), record.friction_used.map(csv_number)].map(Option::unwrap_or_default);
         let all = line(boundary, force, moment, [&[]; 2], components(sums), "contact", ("", slip));
         let other_side =
             opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [&[]; 2], [None; 3], "opposite", NONE));

@@ -71,8 +71,8 @@ impl ContactSlip {
 impl FrictionUse {
     /// Takes the `forces` after an increment over into the records `so_far`.
     pub(super) fn observe(so_far: &mut Vec<Self>, forces: &[ForceRecord]) {
-        for ForceRecord { time, resultant, slip, friction_used, .. } in forces {
-            let (Some(slip), Some(used)) = (*slip, *friction_used) else { continue };
+        for ForceRecord { time, resultant, slip_state, friction_used, .. } in forces {
+            let (Some(slip), Some(used)) = (*slip_state, *friction_used) else { continue };
             let known = so_far.iter_mut().position(|of| of.boundary == resultant.boundary);
             let k = known.unwrap_or(so_far.len());
             if known.is_none() {

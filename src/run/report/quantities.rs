@@ -12,7 +12,10 @@ use Quantity::{Area, Energy, EnergyPerArea, Force, Length, Moment, Number, Stres
 /// The columns of all tables.
 const COLUMNS: &Table = &[
     (Number, "index time status iterations backtracks theta backward_error parts attempts rescued"),
-    (Number, "equilibrium penetration tension complementarity cone dissipation open stick slip friction_used"),
+    (
+        Number,
+        "equilibrium penetration tension complementarity cone dissipation open stick slip slip_state friction_used",
+    ),
     (Number, "seconds_assembly seconds_factorization seconds_solve seconds_rest"),
     (Energy, "friction_work strain_energy energy"),
     (Number, "boundary kind balance obstacle point node from to n_x n_y n_z t_x t_y t_z o_x o_y o_z"),

@@ -85,7 +85,7 @@ pub struct ForceRecord {
     pub resultant: Resultant,
     /// The slip of a boundary with friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub slip: Option<ContactSlip>,
+    pub slip_state: Option<ContactSlip>,
     /// The share of its friction in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_used: Option<f64>,
@@ -179,8 +179,8 @@ impl ForceRecord {
         let (index, time) = (step.record.index, step.record.time);
         let record = |boundary: &ContactBoundary| {
             let resultant = Resultant::of(model, time, step.state, boundary);
-            let (slip, friction_used) = ContactSlip::of(model, step, boundary, &resultant.sums).unzip();
-            ForceRecord { index, time, resultant, slip, friction_used }
+            let (slip_state, friction_used) = ContactSlip::of(model, step, boundary, &resultant.sums).unzip();
+            ForceRecord { index, time, resultant, slip_state, friction_used }
         };
         model.contact.boundaries.iter().map(record).collect()
     }

@@ -189,7 +189,10 @@ pub(super) fn refine(
             Err(StudyError::Run(error)) if !error.is_of_the_input() && !steps.is_empty() => {
                 break (Verdict::MemoryLimit, error.to_string());
             }
-            Err(error @ (StudyError::NotRefined(_) | StudyError::NoValue { .. })) if !steps.is_empty() => {
+            Err(error @ StudyError::NoValue { .. }) if steps.iter().any(|step| step.value.is_some()) => {
+                break (Verdict::NoFinerMesh, error.to_string());
+            }
+            Err(error @ StudyError::NotRefined(_)) if !steps.is_empty() => {
                 let is_interrupted = matches!(error, StudyError::NotRefined(Status::Interrupted));
                 let verdict = if is_interrupted { Verdict::Interrupted } else { Verdict::NoFinerMesh };
                 break (verdict, error.to_string());

@@ -38,7 +38,9 @@ fn capacities_are_those_of_closed_forms() {
         ("pushed", flat("force = [0, -1000]", "force = [100, 0]", ""), 3.0),
         ("pulled", flat("force = [0, -1000]", "force = [-100, 0]", ""), 3.0),
         ("pushed too much", flat("force = [0, -1000]", "force = [400, 0]", ""), 0.75),
-        // A push that lifts: 3 F = 0.3 (1000 - F).
+        // A push of 30 s that lifts by 10 s: 30 s = 0.3 (1000 - 10 s).
+        // A push that has grown before the end of the history.
+        ("pushed early", flat("force = [0, -1000]", "force = [100, 0]", "").replace("[2, 1]]", "[1.5, 1]]"), 3.0),
         ("lifted", flat("force = [0, -1000]", "force = [30, 10]", ""), 0.3 * 1000.0 / (30.0 + 0.3 * 10.0)),
         ("pressed besides", flat("force = [0, -1000]", "force = [30, -10]", ""), 0.3 * 1000.0 / (30.0 - 0.3 * 10.0)),
         (

@@ -84,7 +84,7 @@ fn a_good_run_fills_its_folder() {
     // The forces of each increment. The final ones agree with those of the contact nodes and balance the loads and the
     // wall.
     let (header, forces) = csv(&out.join("forces.csv"));
-    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,u_x,u_y,slip,friction_used");
+    assert_eq!(header, "index,time,boundary,f_x,f_y,m_z,sum_p_n,sum_p_t,kind,balance,u_x,u_y,slip_state,friction_used");
     let kinds: Vec<&str> = forces.iter().map(|row| row[8].as_str()).collect();
     assert_eq!(kinds, ["contact", "support", "load", "load"].repeat(4));
     let forces: Vec<Vec<String>> = forces.into_iter().filter(|row| row[8] == "contact").collect();

@@ -21,7 +21,7 @@ fn the_program_in_space() {
     let columns = "x,y,z,p_n,p_t,p_o,sigma_n,sigma_t,sigma_o,w_n,w_t,w_o,gap,slip_t,slip_o,f_x,f_y,f_z,status,node,n_x,n_y,n_z,t_x,t_y,t_z,o_x,o_y,o_z,sigma_along,sigma_across,sigma_shear,von_mises";
     assert_eq!((table.lines().next().unwrap(), table.lines().count()), (columns, 7));
     let forces = std::fs::read_to_string(folder.join("forces.csv")).unwrap();
-    let columns = "index,time,boundary,f_x,f_y,f_z,m_x,m_y,m_z,sum_p_n,sum_p_t,sum_p_o,kind,balance,u_x,u_y,u_z,slip,friction_used";
+    let columns = "index,time,boundary,f_x,f_y,f_z,m_x,m_y,m_z,sum_p_n,sum_p_t,sum_p_o,kind,balance,u_x,u_y,u_z,slip_state,friction_used";
     assert_eq!(forces.lines().next().unwrap(), columns);
     let of_kind = |kind: &str| forces.lines().filter(|line| line.contains(kind)).count();
     assert_eq!([",contact,", ",support,", ",load,"].map(of_kind), [10, 10, 30]);

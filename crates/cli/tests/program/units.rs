@@ -109,7 +109,7 @@ fn unit_of_column(name: &str) -> &'static str {
         "m_x" | "m_y" | "m_z" => "N m",
         "friction_work" | "strain_energy" => "J",
         "n_x" | "n_y" | "n_z" | "t_x" | "t_y" | "t_z" | "o_x" | "o_y" | "o_z" | "node" | "point" | "index" | "time"
-        | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" | "attempts" => "",
+        | "iterations" | "backtracks" | "open" | "stick" | "slip" | "parts" | "attempts" | "friction_used" => "",
         other => panic!("what is the unit of the column {other}?"),
     }
 }
@@ -118,7 +118,7 @@ fn unit_of_column(name: &str) -> &'static str {
 fn is_no_number(name: &str) -> bool {
     let errors =
         ["theta", "equilibrium", "penetration", "tension", "complementarity", "cone", "dissipation", "backward_error"];
-    let words = ["status", "rescued", "boundary", "kind", "balance"];
+    let words = ["status", "rescued", "boundary", "kind", "balance", "slip_state"];
     errors.contains(&name) || words.contains(&name) || name.starts_with("seconds_")
 }
 

@@ -255,14 +255,14 @@ fn print_largest(report: &RunReport) {
         _ if *singular => "singular: it depends on the mesh".to_string(),
         error => of_mesh(*error, false),
     };
+    let place = format!("at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
     match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
         (Some(of), Some(pressure)) => {
             let of = if *of == PeakOf::Patches { " on a node with its neighbours" } else { "" };
-            row!("pressure     {pressure} at most{of}, {error}{across}");
+            row!("pressure     {pressure} at most{of}, {error}{across}, {place}");
         }
-        _ => row!("pressure     too few tetrahedra across the contact for a peak"),
+        _ => row!("pressure     too few tetrahedra across the contact for a peak, {place}"),
     }
-    row!("             at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
 }
 
 /// Prints the results of a load cycle.
