@@ -1,4 +1,4 @@
-//! `stickslip init`: prints example scenes from `data/init`.
+//! `stickslip init`: prints example scenes from `data`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,8 +11,8 @@ use super::{Failure, output};
 
 #[derive(Args)]
 pub(super) struct InitArgs {
-    /// Kind of body
-    kind: Kind,
+    /// Kind of body or joint; without one the kinds are listed
+    kind: Option<Kind>,
     /// Write the scene and the files that it reads into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -26,25 +26,54 @@ enum Kind {
     Gmsh,
     /// A box
     Cube,
+    /// Two bodies, pressed together and pushed to and fro
+    TwoBodies,
+    /// A bolted joint of revolution, tightened and pulled
+    Bolt,
+    /// A shaft that is pressed into a hub and drawn out
+    PressFit,
+    /// A cylinder that rubs on a block in cycles
+    Fretting,
+    /// Two plates under a clamp, pulled apart, on a mesh from Gmsh
+    LapJoint,
+}
+
+/// The name and text of a file in `data`.
+macro_rules! file {
+    ($folder:literal, $name:literal) => {
+        ($name, include_str!(concat!("../../../../data/", $folder, "/", $name)))
+    };
 }
 
 impl Kind {
     /// Returns the names and texts of its files, the scene first.
     fn files(self) -> &'static [(&'static str, &'static str)] {
         match self {
-            Kind::Block => &[("block.toml", include_str!("../../../../data/init/block.toml"))],
-            Kind::Cube => &[("cube.toml", include_str!("../../../../data/init/cube.toml"))],
-            Kind::Gmsh => &[
-                ("roller.toml", include_str!("../../../../data/init/roller.toml")),
-                ("roller.geo", include_str!("../../../../data/init/roller.geo")),
-                ("roller.msh", include_str!("../../../../data/init/roller.msh")),
+            Kind::Block => &[file!("init", "block.toml")],
+            Kind::Cube => &[file!("init", "cube.toml")],
+            Kind::Gmsh => &[file!("init", "roller.toml"), file!("init", "roller.geo"), file!("init", "roller.msh")],
+            Kind::TwoBodies => &[file!("scenes", "two_blocks.toml")],
+            Kind::Bolt => &[file!("scenes", "bolt.toml")],
+            Kind::PressFit => &[file!("tutorials", "press-fit.toml")],
+            Kind::Fretting => &[file!("tutorials", "fretting.toml")],
+            Kind::LapJoint => &[
+                file!("tutorials", "lap-joint.toml"),
+                file!("tutorials", "lap-joint.geo"),
+                file!("tutorials", "lap-joint.msh"),
             ],
         }
     }
 }
 
 pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
-    let files = args.kind.files();
+    let Some(kind) = args.kind else {
+        let values = Kind::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+        values.for_each(|kind| {
+            row!("{:<13}{}", kind.get_name(), kind.get_help().map(ToString::to_string).unwrap_or_default());
+        });
+        return Ok(());
+    };
+    let files = kind.files();
     if let Some(folder) = &args.out {
         return write(folder, files);
     }

@@ -47,6 +47,21 @@ fn starting_scenes_run() {
     }
 }
 
+#[test]
+fn scenes_to_start_from_are_listed_and_checked() {
+    let listed = stickslip(&["init"]);
+    assert_exit(&listed, 0);
+    let kinds: Vec<&str> = stdout(&listed).lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert_eq!(kinds, ["block", "gmsh", "cube", "two-bodies", "bolt", "press-fit", "fretting", "lap-joint"]);
+    for kind in kinds {
+        let folder = Folder::new();
+        assert_exit(&stickslip(&["init", kind, "--out", &folder.join("")]), 0);
+        let names = folder.names("");
+        let scene = names.iter().find(|name| name.ends_with(".toml")).unwrap();
+        assert_exit(&stickslip(&["check", &folder.join(scene)]), 0);
+    }
+}
+
 /// The roller of doc/howto/gmsh.md agrees with Hertz' line contact on a rigid plane, for its force.
 #[test]
 fn the_roller_has_hertz_pressure() {
