@@ -4,10 +4,12 @@
 
 For each quantity, the truth is a run with `mesh.refine` at a quarter or less of the finest error of the table. CPU times
 of refined meshes contain all their coarser meshes; those of uniform meshes are of one mesh alone. The bracket needs Gmsh.
+Beside the table there is a picture of each scene.
 """
 
 import csv
 import json
+import math
 import os
 import subprocess
 import sys
@@ -97,7 +99,7 @@ CASES = [
     dict(name="cylinder", text=CYLINDER, uniform=[[f"mesh.elements=[{n},{n}]"] for n in (8, 16, 32, 64, 128, 256, 512)],
          refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "peak", "friction_work"]),
     dict(name="Cattaneo and Mindlin", scene="data/scenes/cattaneo_mindlin.toml", sets=MINDLIN,
-         uniform=blocks("[[{},{},{}],{}]", (4, 8, 4, 6)), refine=[0.2, 0.1, 0.05, 0.025], truth=0.006,
+         uniform=blocks("[[{},{},{}],{}]", (4, 8, 4, 6)), refine=[0.2, 0.1, 0.05, 0.025, 0.0125], truth=0.003,
          quantities=["force", "peak", "friction_work"]),
     dict(name="rounded punch", scene=PUNCH, sets=["mesh.cells=triangle", "mesh.grading=[[1,1,1],1]"],
          uniform=blocks("[[{},{},{}],{}]", (3, 4, 9, 8)), refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.008,
@@ -112,8 +114,8 @@ CASES = [
     dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=[[1,1],[1,1],1]"],
          uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:4], refine=[0.5, 0.35, 0.25, 0.17], truth=0.1,
          quantities=["force", "peak"]),
-    dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.525],
-         refine=[0.3, 0.22, 0.16], truth=0.11, quantities=["force", "friction_work"]),
+    dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2],
+         refine=[0.4, 0.3, 0.22], truth=0.15, quantities=["force", "friction_work"]),
 ]
 
 
@@ -202,6 +204,58 @@ def study(program, case, folder):
     return rows
 
 
+COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d"]
+
+
+def picture(name, quantities, points):
+    """Errors over CPU seconds, both logarithmic: broken lines for uniform meshes, full ones for refined meshes."""
+    width, height, left, right, top, bottom = 480, 330, 64, 12, 42, 46
+    all_points = [point for series in points.values() for point in series]
+    ranges = []
+    for axis in (0, 1):
+        values = [math.log10(point[axis]) for point in all_points]
+        ranges.append((math.floor(min(values)), math.ceil(max(values))))
+    (x0, x1), (y0, y1) = ranges
+    x = lambda value: left + (width - left - right) * (math.log10(value) - x0) / (x1 - x0)
+    y = lambda value: height - bottom - (height - top - bottom) * (math.log10(value) - y0) / (y1 - y0)
+    lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
+             f'<title>{name}: errors over CPU time</title><rect width="{width}" height="{height}" fill="white"/>']
+    label = lambda exponent, unit: f"{10.0 ** exponent:g}{unit}"
+    for k in range(x0, x1 + 1):
+        at = x(10.0**k)
+        lines.append(f'<line x1="{at:.1f}" y1="{top}" x2="{at:.1f}" y2="{height - bottom}" stroke="#ddd"/>'
+                     f'<text x="{at:.1f}" y="{height - bottom + 16}" text-anchor="middle">{label(k, "")}</text>')
+    for k in range(y0, y1 + 1):
+        at = y(10.0**k)
+        lines.append(f'<line x1="{left}" y1="{at:.1f}" x2="{width - right}" y2="{at:.1f}" stroke="#ddd"/>'
+                     f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{label(k + 2, " %")}</text>')
+    lines.append(f'<text x="{(left + width - right) / 2}" y="{height - 8}" text-anchor="middle">CPU time, s</text>')
+    for k, quantity in enumerate(quantities):
+        colour, at = COLOURS[k], left + 130 * k
+        lines.append(f'<line x1="{at}" y1="14" x2="{at + 22}" y2="14" stroke="{colour}" stroke-width="2"/>'
+                     f'<text x="{at + 28}" y="18">{quantity.replace("_", " ")}</text>')
+        for kind, dash in (("uniform", ' stroke-dasharray="5 4"'), ("refined", "")):
+            series = points.get((quantity, kind), [])
+            path = " ".join(f"{x(seconds):.1f},{y(error):.1f}" for seconds, error in series)
+            lines.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"{dash}/>')
+            fill = colour if kind == "refined" else "white"
+            lines += [f'<circle cx="{x(seconds):.1f}" cy="{y(error):.1f}" r="3.5" fill="{fill}" stroke="{colour}"/>'
+                      for seconds, error in series]
+    lines.append(f'<text x="{left}" y="34" fill="#555">broken: uniform meshes; full: refined meshes</text></svg>')
+    return "\n".join(lines) + "\n"
+
+
+def draw(out, rows):
+    for scene in dict.fromkeys(row[0] for row in rows):
+        points = {}
+        for _, kind, _, seconds, quantity, _, error, _ in (row for row in rows if row[0] == scene):
+            if kind in ("uniform", "refined") and error:
+                points.setdefault((quantity, kind), []).append((seconds, error))
+        quantities = list(dict.fromkeys(quantity for quantity, _ in points))
+        with open(os.path.join(os.path.dirname(out), scene.lower().replace(" ", "-") + ".svg"), "w") as file:
+            file.write(picture(scene, quantities, points))
+
+
 def main(program, out, only=None):
     rows = []
     for case in CASES:
@@ -213,6 +267,7 @@ def main(program, out, only=None):
     with open(out, "w", newline="") as file:
         number = lambda x: f"{x:.4g}" if isinstance(x, float) else x
         csv.writer(file, lineterminator="\n").writerows([heads] + [[number(x) for x in row] for row in rows])
+    draw(out, rows)
     for scene, quantity in dict.fromkeys((row[0], row[4]) for row in rows):
         of = lambda kind: [(row[3], row[6]) for row in rows if row[:2] == [scene, kind] and row[4] == quantity]
         uniform, refined = within_a_percent(of("uniform")), within_a_percent(of("refined"))
