@@ -31,7 +31,6 @@ pub use deformation::deformation;
 pub(super) use estimates::ISOLATED;
 pub use estimates::{EstimateWatch, Estimates};
 pub use explain::{ChangingLoad, Explanation, JointSlip, WorstNode};
-pub use friction_use::{ContactSlip, FrictionUse};
 pub use history_curves::{ForceCurves, HistoryCurves};
 pub(crate) use key_results::KeyWatch;
 pub(super) use key_results::Moment;

@@ -4,7 +4,7 @@ use stickslip::base::UnitSystem;
 use stickslip::body::Model;
 use stickslip::run::report::{AppliedForce, BalanceRecord, PointRecord, SectionRecord};
 use stickslip::run::report::{Columns, csv_line, csv_number};
-use stickslip::run::report::{ComponentSums, ContactSlip, ForceRecord, OnObstacle, Resultant};
+use stickslip::run::report::{ComponentSums, ForceRecord, OnObstacle, Resultant};
 use stickslip::solver::Event;
 use stickslip::solver::history::IncrementRecord;
 
@@ -124,8 +124,8 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
     };
     let on_obstacle = |record: &ForceRecord| {
         let Resultant { boundary, force, moment, sums, obstacles, opposite } = &record.resultant;
-        let named = |slip: ContactSlip| format!("{slip:?}").to_lowercase();
-        let slip = [record.slip_state.map(named), record.friction_used.map(csv_number)].map(Option::unwrap_or_default);
+        let state = record.slip_state.map(|slip| format!("{slip:?}").to_lowercase());
+        let slip = [state, record.friction_used.map(csv_number)].map(Option::unwrap_or_default);
         let all = line(boundary, force, moment, [&[]; 2], components(sums), "contact", ("", slip));
         let other_side =
             opposite.iter().map(|of| line(&of.boundary, &of.force, &of.moment, [&[]; 2], [None; 3], "opposite", NONE));

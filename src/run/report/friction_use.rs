@@ -3,25 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::largest::is_as_large;
-use super::resultant::{ComponentSums, ForceRecord};
-use crate::body::contact::ContactBoundary;
-use crate::body::model::Model;
-use crate::solver::history::IncrementView;
-use crate::solver::laws::ContactStatus;
-
-/// The slip of a contact with friction at the end of an increment.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum ContactSlip {
-    /// No node touches.
-    Open,
-    /// All nodes that touch stick.
-    Stick,
-    /// Some nodes stick, others slip.
-    Partial,
-    /// All nodes that touch slip.
-    Whole,
-}
+use super::resultant::{ContactSlip, ForceRecord};
 
 /// The friction of a contact over a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -39,33 +21,6 @@ pub struct FrictionUse {
     pub slips_wholly_from: Option<f64>,
     /// The slip at the end.
     pub end: ContactSlip,
-}
-
-impl ContactSlip {
-    /// Returns the slip of a `boundary` with these resultants after a step, and the share of its friction in use; `None`
-    /// without friction.
-    pub(super) fn of(
-        model: &Model,
-        step: &IncrementView<'_>,
-        boundary: &ContactBoundary,
-        sums: &ComponentSums,
-    ) -> Option<(Self, f64)> {
-        let (mut sticks, mut slips, mut most, mut has_friction) = (false, false, 0.0, false);
-        for (i, part) in boundary.shares(&model.contact.nodes).filter(|(i, _)| step.increment.mu[*i] > 0.0) {
-            has_friction = true;
-            sticks |= step.statuses[i] == ContactStatus::Stick;
-            slips |= step.statuses[i] == ContactStatus::Slip;
-            most += part * step.increment.mu[i] * step.state.p_n[i].max(0.0);
-        }
-        let slip = match (sticks, slips) {
-            (false, false) => ContactSlip::Open,
-            (true, false) => ContactSlip::Stick,
-            (true, true) => ContactSlip::Partial,
-            (false, true) => ContactSlip::Whole,
-        };
-        let force = sums.sum_p_t.hypot(sums.sum_p_o.unwrap_or(0.0));
-        has_friction.then_some((slip, if most > 0.0 { force / most } else { 0.0 }))
-    }
 }
 
 impl FrictionUse {

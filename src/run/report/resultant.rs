@@ -4,10 +4,10 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::friction_use::ContactSlip;
 use crate::body::contact::ContactBoundary;
 use crate::body::model::{Model, Wrench};
 use crate::solver::history::IncrementView;
+use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
 /// The force of the body on the obstacles, or on the opposing body, in front of one boundary: the sum of the contact
@@ -91,6 +91,20 @@ pub struct ForceRecord {
     pub friction_used: Option<f64>,
 }
 
+/// The slip of a contact with friction at the end of an increment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum ContactSlip {
+    /// No node touches.
+    Open,
+    /// All nodes that touch stick.
+    Stick,
+    /// Some nodes stick, others slip.
+    Partial,
+    /// All nodes that touch slip.
+    Whole,
+}
+
 impl Resultant {
     /// Returns the resultants of a `state` at time `t` (s), one for each boundary with contact.
     pub fn all(model: &Model, t: f64, state: &State) -> Vec<Self> {
@@ -170,6 +184,33 @@ impl ComponentSums {
         }
         let [sum_p_n, sum_p_t, sum_p_o] = sums;
         ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }
+    }
+}
+
+impl ContactSlip {
+    /// Returns the slip of a `boundary` with these resultants after a step, and the share of its friction in use; `None`
+    /// without friction.
+    fn of(
+        model: &Model,
+        step: &IncrementView<'_>,
+        boundary: &ContactBoundary,
+        sums: &ComponentSums,
+    ) -> Option<(Self, f64)> {
+        let (mut sticks, mut slips, mut most, mut has_friction) = (false, false, 0.0, false);
+        for (i, part) in boundary.shares(&model.contact.nodes).filter(|(i, _)| step.increment.mu[*i] > 0.0) {
+            has_friction = true;
+            sticks |= step.statuses[i] == ContactStatus::Stick;
+            slips |= step.statuses[i] == ContactStatus::Slip;
+            most += part * step.increment.mu[i] * step.state.p_n[i].max(0.0);
+        }
+        let slip = match (sticks, slips) {
+            (false, false) => ContactSlip::Open,
+            (true, false) => ContactSlip::Stick,
+            (true, true) => ContactSlip::Partial,
+            (false, true) => ContactSlip::Whole,
+        };
+        let force = sums.sum_p_t.hypot(sums.sum_p_o.unwrap_or(0.0));
+        has_friction.then_some((slip, if most > 0.0 { force / most } else { 0.0 }))
     }
 }
 

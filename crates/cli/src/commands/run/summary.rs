@@ -5,9 +5,9 @@ use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, ComponentSums, ContactSlip, CycleReport, EliminatedUnknown, FrictionResult,
-    FrictionUse, HoldingForce, LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport,
-    SectionRecord, SlipRegime, Unknowns, Warning,
+    AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, HoldingForce,
+    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
+    Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -206,19 +206,14 @@ fn print_largest(report: &RunReport) {
         let error = format!("{}{}", of_mesh(*mesh_error, *given), of_increments(*time_error));
         row!("tangential   {force} at most on `{boundary}`, at t = {} s, {error}", six_digits(*time));
     }
-    for FrictionUse { boundary, largest, time, slips_from, slips_wholly_from, end, .. } in &report.friction_use {
-        let (used, at) = (percent(*largest), six_digits(*time));
+    for used in &report.friction_use {
+        let (share, at) = (percent(used.largest), six_digits(used.time));
         let from = |nodes: &str, time: Option<f64>| time.map(|t| format!("{nodes} slip from {} s", six_digits(t)));
-        let ways = [from("some nodes", *slips_from), from("all", *slips_wholly_from)].into_iter().flatten();
+        let ways = [from("some nodes", used.slips_from), from("all", used.slips_wholly_from)].into_iter().flatten();
         let slips = ways.reduce(|some, all| format!("{some}, {all}")).unwrap_or("no node slips".to_string());
-        let end = match end {
-            ContactSlip::Open => "open",
-            ContactSlip::Stick => "all stick",
-            ContactSlip::Partial => "some slip",
-            ContactSlip::Whole => "all slip",
-        };
+        let (boundary, end) = (&used.boundary, format!("{:?}", used.end).to_lowercase());
         row!(
-            "slip         {used} of the friction in use at most on `{boundary}`, at t = {at} s; {slips}; at the end {end}"
+            "slip         {share} of the friction in use at most on `{boundary}`, at t = {at} s; {slips}; at the end {end}"
         );
     }
     if let Some(FrictionResult { friction_work, time_error, .. }) = report.friction {
