@@ -13,10 +13,11 @@ use std::sync::mpsc::{Sender, channel};
 
 use common::Rows;
 use stickslip::algebra::Pattern;
-use stickslip::algebra::linear::{FactorInfo, Grid, LinearError, LinearSolver, SparseLu};
+use stickslip::algebra::linear::{Engine, FactorInfo, Grid, LinearError, LinearSolver, SparseLu};
 use stickslip::run::report::thread_cpu_seconds;
 use stickslip::run::{Run, Sink, grid};
 use stickslip::scene::Scene;
+use stickslip_distributed::Petsc;
 
 /// Multigrid that solves each system to 1e-10, and tells how many iterations that took.
 struct Tight {
@@ -161,9 +162,7 @@ fn main() {
         let interior = scene.solver.method.increments().is_interior();
         let solver = |multigrid: bool| -> Box<dyn LinearSolver> {
             match grid(run.model()).filter(|_| multigrid) {
-                Some(grid) => {
-                    stickslip_distributed::multigrid(run.model().problem.stiffness(), Grid { interior, ..grid })
-                }
+                Some(grid) => Petsc.iterative(Grid { interior, ..grid }, None),
                 None => SparseLu::default().solver(),
             }
         };

@@ -32,7 +32,7 @@ pub use pattern::Pattern;
 pub use symmetric::Symmetric;
 
 /// A source of the rows of a symmetric matrix at any selection of mesh nodes.
-pub trait NodeRows {
+pub trait NodeRows: std::fmt::Debug + Send + Sync {
     /// Returns the dimension, 2 or 3, which is the largest number of rows of a node.
     fn dimension(&self) -> usize;
 

@@ -97,7 +97,7 @@ pub(super) fn as_chosen<'a>(
 pub(super) fn shared(scene: &Scene, engine: &dyn Engine) -> Result<Model, RunError> {
     let per_rank = |(nodes, dimension): (usize, usize)| (nodes / ranks(), dimension);
     has_room(scene.description.mesh.nodes().map(per_rank), Budget::of_process())?;
-    suitable(scene, model_of(scene, Some(&|body, near| engine.share(body, near)))?)
+    suitable(scene, model_of(scene, Some(&|body, near, contacts| engine.share(body, near, contacts)))?)
 }
 
 /// Returns the engine that distributes the stiffness of a model solved by `solver`; `None` if it needs no rows.

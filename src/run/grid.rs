@@ -12,7 +12,7 @@ pub(super) fn system(model: &Model, method: Method, options: Option<&str>) -> Sy
     let Some(engine) = engine() else { return LinearAlgebra::Multigrid.into() };
     let Some(grid) = grid(model) else { return LinearAlgebra::Whole(SparseLu::for_ranks()).into() };
     let grid = Grid { interior: method.is_interior(), ..grid };
-    SystemSolver::from(engine.iterative(model.problem.stiffness(), grid, options))
+    SystemSolver::from(engine.iterative(grid, options))
 }
 
 /// Returns the grid of `model`. `None` if the contact rows of a node involve displacements of other nodes, a node has

@@ -29,12 +29,12 @@ int mpi_shim_size(void) {
     return size;
 }
 
-void mpi_shim_hand_out(int64_t *words, int n, long most) {
+void mpi_shim_hand_out(void *bytes, int n, long most) {
     /* The same call on every rank: MPI does not match a broadcast that waits with one that does not. */
     MPI_Request request;
     struct timespec pause = {0, 20000};
     int done = 0, rank = mpi_shim_rank();
-    MPI_Ibcast(words, n, MPI_INT64_T, 0, MPI_COMM_WORLD, &request);
+    MPI_Ibcast(bytes, n, MPI_BYTE, 0, MPI_COMM_WORLD, &request);
     if (rank == 0)
         MPI_Wait(&request, MPI_STATUS_IGNORE);
     else

@@ -1,12 +1,11 @@
 /* The little of MPI that `ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
-#include <stdint.h>
 
 /* Starts MPI, unless it runs: 0, or the level of threads that it gives where one call at a time is not among what it bears. */
 int mpi_shim_start(void);
 int mpi_shim_rank(void);
 int mpi_shim_size(void);
-/* Hands `n` words from rank 0 to all. The others sleep in between, in the end for so many nanoseconds at a time. */
-void mpi_shim_hand_out(int64_t *words, int n, long most);
+/* Hands `n` bytes from rank 0 to all. The others sleep in between, in the end for so many nanoseconds at a time. */
+void mpi_shim_hand_out(void *bytes, int n, long most);
 /* Collects the `n` numbers of each rank on rank 0. */
 void mpi_shim_collect(const double *mine, int n, double *all);
 /* Ends MPI, if it runs. */

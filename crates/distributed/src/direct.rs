@@ -2,59 +2,29 @@
 //!
 //! The values change while the analysis is kept. Therefore the analysis must not depend on values: there is no
 //! permutation for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots that are delayed
-//! to a later front. If they need more memory than predicted, the factorisation is repeated with more. Refinement is
-//! left to [`RefinedSolver`](stickslip::algebra::linear::RefinedSolver).
+//! to a later front; zeros that give the forces at a node the couplings of its displacements, so that one front has all
+//! of them, save nothing. If pivots need more memory than predicted, the factorisation is repeated with more. Refinement
+//! is left to [`RefinedSolver`](stickslip::algebra::linear::RefinedSolver).
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver, SystemMatrix};
+use stickslip::algebra::linear::{FactorInfo, LinearError, LinearSolver};
 use stickslip::algebra::{Csc, Pattern};
 
 use crate::expect_length;
 use crate::job::{Job, Own, Remote};
-use crate::petsc::{Int, int};
+use crate::petsc::{Entries, Int, int};
 use crate::ranks;
-use crate::system::{By, Change, Places, Setup, Values, factorize, solve};
+use crate::system::{By, Setup, info, solve};
 
 /// The options of PETSc for factorisations. No permutation for the first values, which is useless for later ones; no
 /// search for vanishing pivots, which does not find the rigid modes of a body without supports.
 pub(crate) const OPTIONS: &str = "-factors_ksp_type preonly -factors_pc_type lu \
     -factors_pc_factor_mat_solver_type mumps -factors_mat_mumps_icntl_6 0 -factors_mat_mumps_icntl_24 0";
 
-/// The MUMPS backend, on rank 0.
+/// The MUMPS backend, on rank 0: the pattern, and the system on all ranks.
 #[derive(Default)]
-pub(crate) struct Direct {
-    /// The pattern, the number of zeros behind its values, and the system on all ranks.
-    system: Option<(Arc<Pattern>, usize, Remote)>,
-    is_factored: bool,
-}
-
-/// Returns row and column of the zeros that give the forces at a node the couplings of its displacements, so that MUMPS
-/// eliminates all of them in one front. Otherwise it would begin with the forces, whose diagonal is zero at a closed
-/// node, and delay them.
-fn zeros(pattern: &Pattern, displacements: usize) -> [Vec<Int>; 2] {
-    let column = |j: usize| {
-        let starts = pattern.column_starts();
-        let column = &pattern.row_indices()[starts[j] as usize..starts[j + 1] as usize];
-        &column[..column.partition_point(|row| (*row as usize) < displacements)]
-    };
-    // The displacements of a node have the same couplings.
-    let mut nodes: BTreeMap<&[_], Vec<usize>> = BTreeMap::new();
-    for force in displacements..pattern.columns() {
-        if let Some(own) = column(force).first() {
-            nodes.entry(column(*own as usize)).or_default().push(force);
-        }
-    }
-    let mut zeros = [Vec::new(), Vec::new()];
-    for (couplings, forces) in &nodes {
-        for force in forces {
-            zeros[0].extend(couplings.iter().map(|row| *row as Int).chain(forces.iter().map(|row| *row as Int)));
-            zeros[1].resize(zeros[0].len(), *force as Int);
-        }
-    }
-    zeros
-}
+pub(crate) struct Direct(Option<(Arc<Pattern>, Remote)>);
 
 impl LinearSolver for Direct {
     fn name(&self) -> &'static str {
@@ -62,52 +32,32 @@ impl LinearSolver for Direct {
     }
 
     fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
-        self.analyze_system(&SystemMatrix::from(Csc::zeros(Arc::clone(pattern))))
-    }
-
-    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
-        let whole = a.to_csc()?;
-        let (pattern, n) = (whole.pattern(), a.order());
+        let n = pattern.columns();
         expect_length("rows of the matrix", n, pattern.rows())?;
         int(n)?;
-        *self = Direct::default();
-        let (ranks, starts) = (ranks::start()?.1, pattern.column_starts());
-        let columns = (0..n).flat_map(|j| std::iter::repeat_n(j as Int, (starts[j + 1] - starts[j]) as usize));
-        let mut rest: [Vec<Int>; 2] =
-            [pattern.row_indices().iter().map(|row| *row as Int).collect(), columns.collect()];
-        let more = zeros(pattern, a.displacements().unwrap_or(n));
-        let added = more[0].len();
-        rest.iter_mut().zip(more).for_each(|(all, more)| all.extend(more));
-        let setup = Setup {
-            options: OPTIONS.to_string(),
-            nodes: vec![0; ranks + 1],
-            rows: (0..=ranks).map(|rank| rank * n / ranks).collect(),
-            ..Setup::default()
-        };
-        let places = Places { rows: &(0..n as Int).collect::<Vec<_>>(), rest, ..Places::default() };
-        let system = Remote::new(Job::System(setup), Own { places, ..Own::default() })?;
-        self.system = Some((Arc::clone(pattern), added, system));
+        self.0 = None;
+        let (ranks, mut rest) = (ranks::start()?.1, Entries::default());
+        Csc::zeros(Arc::clone(pattern)).entries().for_each(|(i, j, zero)| rest.push(i as Int, j as Int, zero));
+        let rows = (0..=ranks).map(|rank| rank * n / ranks).collect();
+        let setup = Setup { options: OPTIONS.to_string(), rows, ..Setup::default() };
+        let own = Own { places: (0..n as Int).collect(), rest, ..Own::default() };
+        let system = Remote::new(Job::System(setup), own)?;
+        self.0 = Some((Arc::clone(pattern), system));
         Ok(())
     }
 
     fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
-        let Some((pattern, added, system)) = &self.system else { return Err(crate::NOT_ANALYZED) };
+        let Some((pattern, system)) = &self.0 else { return Err(crate::NOT_ANALYZED) };
         expect_length("values of the matrix", pattern.len(), values.len())?;
-        self.is_factored = false;
-        let rest = [values, &vec![0.0; *added]].concat();
-        let change = Change { factor: Some(1.0), by: By::Factors };
-        let info = factorize(system, change, Values { rest: &rest, ..Values::default() })?;
-        self.is_factored = true;
-        Ok(info)
+        let own = Own { x: [values, &[]], ..Own::default() };
+        info(&system.run(Job::Factorize(Some(1.0), By::Factors), own)?)
     }
 
     fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        let (Some((pattern, _, system)), true) = (&self.system, self.is_factored) else {
-            return Err(crate::NOT_FACTORIZED);
-        };
+        let Some((pattern, system)) = &self.0 else { return Err(crate::NOT_FACTORIZED) };
         expect_length("right-hand side", pattern.columns(), b.len())?;
         expect_length("solution", pattern.columns(), x.len())?;
-        match solve(system, 0.5, None, b, x)?.reason {
+        match solve(system, 0.5, b, x)?.1 {
             0.. => Ok(()),
             reason => Err(LinearError::Backend { backend: "mumps", step: "the solve", status: reason.into() }),
         }

@@ -4,7 +4,6 @@
 //! [`add`] makes these solvers known to the library. Rank 0 then runs the program; the others call [`help`].
 
 mod direct;
-mod exchange;
 mod job;
 mod multigrid;
 mod petsc;
@@ -15,6 +14,8 @@ mod system;
 
 pub use ranks::{RankRows, agree, end, help, start};
 
+use std::sync::Arc;
+
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::{self, Engine, Grid, LinearError, LinearSolver, RankUse, Stiffness};
 
@@ -22,7 +23,7 @@ use direct::Direct;
 use multigrid::Multigrid;
 
 /// The engine that [`add`] adds.
-struct Petsc;
+pub struct Petsc;
 
 impl Engine for Petsc {
     fn ranks(&self) -> usize {
@@ -33,22 +34,17 @@ impl Engine for Petsc {
         ranks::used()
     }
 
-    fn share(&self, body: &dyn NodeRows, near: &[bool]) -> Result<Option<Stiffness>, LinearError> {
-        stiffness::share(body, near)
+    fn share(&self, body: Arc<dyn NodeRows>, near: &[bool], contacts: usize) -> Result<Option<Stiffness>, LinearError> {
+        stiffness::share(body, near, contacts)
     }
 
     fn direct(&self) -> Box<dyn LinearSolver> {
         Box::new(Direct::default())
     }
 
-    fn iterative(&self, stiffness: &Stiffness, grid: Grid, options: Option<&str>) -> Box<dyn LinearSolver> {
-        Box::new(Multigrid::new(stiffness, grid, options))
+    fn iterative(&self, grid: Grid, options: Option<&str>) -> Box<dyn LinearSolver> {
+        Box::new(Multigrid::new(grid, options))
     }
-}
-
-/// Creates the iterative solver of systems with this `stiffness`, whose unknowns have the positions in `grid`.
-pub fn multigrid(stiffness: &Stiffness, grid: Grid) -> Box<dyn LinearSolver> {
-    Petsc.iterative(stiffness, grid, None)
 }
 
 /// Adds MUMPS, multigrid and PETSc to the solvers of the library in this process.

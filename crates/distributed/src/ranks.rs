@@ -5,14 +5,13 @@
 
 pub(crate) mod shim;
 
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Mutex, MutexGuard};
 
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::{LinearError, RankUse};
 
-use crate::job::{Job, Objects, Own};
+use crate::job::{Job, Objects, Own, Reply};
 use crate::petsc;
-use crate::rows::Numbering;
 use shim::World;
 
 /// A function that assembles a rank's rows of the shared stiffness, or returns `None` if it cannot.
@@ -63,7 +62,7 @@ impl State {
     /// Abandons the other ranks, if there are any: this process has to end, and the launcher ends them. Objects are
     /// leaked, because dropping them would be collective.
     fn abandon(&mut self) {
-        if matches!(self, State::Running(world, _) if world.size() > 1) {
+        if matches!(self, State::Running(world, _) if world.size > 1) {
             std::mem::forget(std::mem::replace(self, State::Broken));
         }
     }
@@ -84,7 +83,7 @@ impl State {
 /// If MPI does not allow calls from several threads, one at a time, or has ended; [`LinearError::RankFailed`] after an
 /// error in work that ranks share.
 pub fn start() -> Result<(usize, usize), LinearError> {
-    state().running().map(|(world, _)| (world.rank(), world.size()))
+    state().running().map(|(world, _)| (world.rank, world.size))
 }
 
 /// Returns `true` if `number` equals that of rank 0. All ranks must call it, before any of them calls [`help`].
@@ -94,9 +93,9 @@ pub fn start() -> Result<(usize, usize), LinearError> {
 pub fn agree(number: u64) -> Result<bool, LinearError> {
     let mut state = state();
     state.running()?;
-    let mut agreed = [number as i64];
+    let mut agreed = [number];
     shim::broadcast(&mut agreed);
-    Ok(agreed == [number as i64])
+    Ok(agreed == [number])
 }
 
 /// Runs the worker loop of a rank other than 0, until rank 0 ends MPI. The `body` must be that of rank 0; without one
@@ -108,18 +107,17 @@ pub fn agree(number: u64) -> Result<bool, LinearError> {
 pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
     let mut state = state();
     let (world, objects) = state.running()?;
-    if world.rank() == 0 {
+    if world.rank == 0 {
         return Ok(());
     }
     loop {
-        let (number, job) = shim::broadcast_job(None)?;
-        let body = match job {
-            Job::End => break,
-            Job::Rows => body(),
-            _ => None,
-        };
+        let told = shim::broadcast_job(None)?;
+        if let Job::End = told.1 {
+            break;
+        }
+        let body = if let Job::Rows(_) = told.1 { body() } else { None };
         let own = Own { body: body.as_deref(), ..Own::default() };
-        if let Err(error) = objects.perform(world, number, job, own) {
+        if let Err(error) = objects.perform(world, told, own) {
             state.abandon();
             return Err(error);
         }
@@ -133,11 +131,10 @@ pub fn help(body: RankRows<'_>) -> Result<(), LinearError> {
 ///
 /// # Errors
 /// As [`start`], and if the work fails.
-pub(crate) fn run(number: i64, job: Job, own: Own<'_>) -> Result<Vec<f64>, LinearError> {
+pub(crate) fn run(told: (i64, Job), own: Own<'_>) -> Reply {
     let mut state = state();
     let (world, objects) = state.running()?;
-    let (number, job) = shim::broadcast_job(Some((number, job)))?;
-    let result = objects.perform(world, number, job, own);
+    let result = shim::broadcast_job(Some(told)).and_then(|told| objects.perform(world, told, own));
     state.after(result)
 }
 
@@ -153,34 +150,20 @@ pub fn end() {
 
 /// Returns the resources used by each of several ranks. For rank 0.
 pub(crate) fn used() -> Vec<RankUse> {
-    if count() == 1 {
-        return Vec::new();
-    }
-    let reply = run(0, Job::Use, Own::default()).unwrap_or_default();
-    let of = |[cpu_seconds, bytes]: &[f64; 2]| RankUse { cpu_seconds: *cpu_seconds, peak_rss_bytes: *bytes as u64 };
-    reply.as_chunks().0.iter().map(of).collect()
+    let several = (count() > 1).then(|| run((0, Job::Use), Own::default()).unwrap_or_default());
+    let of = |[cpu_seconds, bytes, _]: &[f64; 3]| RankUse { cpu_seconds: *cpu_seconds, peak_rss_bytes: *bytes as u64 };
+    several.unwrap_or_default().as_chunks().0.iter().map(of).collect()
 }
 
 /// Returns the number of ranks; 1 unless MPI runs.
 pub(crate) fn count() -> usize {
-    match &*state() {
-        State::Running(world, _) => world.size(),
-        State::Before | State::Broken | State::Ended => 1,
-    }
+    if let State::Running(world, _) = &*state() { world.size } else { 1 }
 }
 
 /// Returns an error unless PETSc has asked for each of these options.
 pub(crate) fn check_options(options: &str) -> Result<(), LinearError> {
     let _alone = state();
     petsc::check_options(options)
-}
-
-/// Returns the numbers of the nodes of the stiffness of this number, if there is one.
-pub(crate) fn numbering(number: i64) -> Option<Arc<Numbering>> {
-    match &*state() {
-        State::Running(_, objects) => Some(Arc::clone(&objects.rows.get(&number)?.numbering)),
-        State::Before | State::Broken | State::Ended => None,
-    }
 }
 
 #[cfg(test)]
@@ -190,7 +173,7 @@ mod tests {
     #[test]
     fn after_a_failure_the_ranks_are_lost() {
         for (size, then) in [(1, None), (2, Some(LinearError::RankFailed))] {
-            let mut state = State::Running(World::of(size), Objects::default());
+            let mut state = State::Running(World { rank: 0, size }, Objects::default());
             let failure = LinearError::OutOfMemory { step: "a test" };
             assert_eq!(state.after::<()>(Err(failure.clone())), Err(failure));
             assert_eq!(state.running().err(), then);

@@ -1,6 +1,6 @@
 //! Linear algebra from outside the library: solvers that one or several processes share.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use super::{Grid, LinearError, LinearSolver, Stiffness};
 use crate::algebra::sparse::NodeRows;
@@ -14,19 +14,19 @@ pub trait Engine: Send + Sync {
     fn used(&self) -> Vec<RankUse>;
 
     /// Creates the stiffness of `body`, of which each process assembles the rows of its own nodes. This process keeps
-    /// a copy of the columns at the nodes `near` contact. Returns `None` if a process cannot assemble its rows, or has
-    /// another body.
+    /// a copy of the columns at the nodes `near` contact, which has this number of nodes, `contacts`. Returns `None` if
+    /// a process cannot assemble its rows, or has another body.
     ///
     /// # Errors
     /// If the processes cannot work together, or memory is short.
-    fn share(&self, body: &dyn NodeRows, near: &[bool]) -> Result<Option<Stiffness>, LinearError>;
+    fn share(&self, body: Arc<dyn NodeRows>, near: &[bool], contacts: usize) -> Result<Option<Stiffness>, LinearError>;
 
     /// Creates the direct solver, a factorisation on all processes.
     fn direct(&self) -> Box<dyn LinearSolver>;
 
-    /// Creates the iterative solver of systems with this `stiffness` and the unknowns of `grid`. The `options` say how it
-    /// solves, in the words of the engine.
-    fn iterative(&self, stiffness: &Stiffness, grid: Grid, options: Option<&str>) -> Box<dyn LinearSolver>;
+    /// Creates the iterative solver of systems with the unknowns of `grid`. The `options` say how it solves, in the
+    /// words of the engine.
+    fn iterative(&self, grid: Grid, options: Option<&str>) -> Box<dyn LinearSolver>;
 }
 
 /// The resources used by one process.

@@ -200,9 +200,10 @@ fn springs(
     description.springs.iter().enumerate().map(of_bed).collect()
 }
 
-/// A function that distributes a stiffness over processes, from its rows and the nodes whose columns this process
-/// keeps. `None` if this is impossible, for example because another process does not have the same body.
-pub type Share<'a> = &'a dyn Fn(&dyn NodeRows, &[bool]) -> Result<Option<Stiffness>, LinearError>;
+/// A function that distributes a stiffness over processes, from its rows, the nodes whose columns this process keeps,
+/// and the number of contact nodes. `None` if this is impossible, for example because another process does not have
+/// the same body.
+pub type Share<'a> = &'a dyn Fn(Arc<dyn NodeRows>, &[bool], usize) -> Result<Option<Stiffness>, LinearError>;
 
 /// A body before assembly.
 #[derive(Debug, Clone)]
@@ -243,7 +244,7 @@ impl Body {
         for cell in self.mesh.cells.iter().filter(|cell| cell.nodes.iter().any(|node| is_contact[*node])) {
             cell.nodes.iter().for_each(|&node| near[node] = true);
         }
-        share(self, &near)
+        share(Arc::new(self.clone()), &near, contacts.len())
     }
 }
 

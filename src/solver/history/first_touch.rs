@@ -35,8 +35,8 @@ const MATTERS: f64 = 0.05;
 /// division as it is, and a fifth loses one whose nodes stick at first and slip before the touch.
 const SHOWS: f64 = 0.05 * MATTERS;
 
-/// A smaller distance times stiffness is rounding, relative to the largest friction so far; so is a smaller friction,
-/// relative to the largest possible.
+/// A smaller distance times stiffness, or pressure, is rounding, relative to the largest friction so far: an iterative solver
+/// leaves 1e-19 N at open nodes. So is a smaller friction, relative to the largest possible.
 const ROUNDING: f64 = 1e-9;
 
 /// A substep ends when this share of the time to the touch is over, so that rounding does not decide whether the node is
@@ -76,7 +76,7 @@ impl IncrementDriver<'_> {
         let distance: Vec<f64> = gaps.iter().zip(&self.history.w_n).map(|(gap, w)| gap - w).collect();
         let is_open = |i: usize| stiffness[i] * distance[i] > ROUNDING * friction[i];
         let has_tangent = |i: usize| problem.tangential_maps().iter().any(|map| !map.row(i).is_empty());
-        let rubs = |i: usize| self.stage.mu[i] > 0.0 && p_n[i] > 0.0 && has_tangent(i);
+        let rubs = |i: usize| self.stage.mu[i] > 0.0 && p_n[i] > ROUNDING * friction[i] && has_tangent(i);
         let nodes: Vec<usize> = self.body.nodes().map_or((0..problem.contacts()).collect(), <[usize]>::to_vec);
         if !nodes.iter().any(|i| is_open(*i) && rubs(*i)) {
             return Ok(None);

@@ -6,7 +6,7 @@
 //! slip on the edge of the cone. The singular values of `D` find these directions, without statuses and in any frame.
 //! Along the other directions the forces follow from the displacements, and act as springs.
 
-use super::small::{Decomposition, Small, decompose, minus, product, pseudo_inverse, times, transposed};
+use super::small::{Decomposition, ONE, Small, decompose, minus, product, pseudo_inverse, times, transposed};
 
 /// `D` is singular if a value is at most this, in units of the stiffness. In Newton's method it is exactly singular.
 /// During an interior point method there are springs instead, and stiffer springs are harder to precondition.
@@ -36,9 +36,8 @@ pub(super) struct Local {
 /// One node with its contact eliminated, in mesh directions.
 #[derive(Clone, Copy)]
 pub(super) struct Eliminated {
-    /// The number of directions in which contact constrains the node, and `true` if no other is left.
+    /// The number of directions in which contact constrains the node.
     pub held: usize,
-    pub all_held: bool,
     /// The maps from the right-hand side of the contact rows to the constrained displacements, and to the forces that
     /// follow from them.
     pub prescribed: Small,
@@ -60,45 +59,38 @@ impl Local {
     /// Eliminates contact, in the `oblique` form with friction, so that the matrix of the rest is unsymmetric.
     pub(super) fn eliminated(&self, oblique: bool) -> Eliminated {
         let negligible = if oblique { NEARLY_SINGULAR } else { SINGULAR };
-        let mut law = self.scaled();
-        for k in (0..3).filter(|&k| !self.forces[k]) {
-            law.d[k][k] = 1.0;
-        }
-        let Decomposition { left, values, right } = decompose(&law.d);
-        let singular = values.map(|s| s <= negligible);
-        let compliance = {
-            let inverse = [0, 1, 2].map(|k| if singular[k] { 0.0 } else { 1.0 / values[k] });
-            let by_value = right.map(|row| [0, 1, 2].map(|k| row[k] * inverse[k]));
-            let d = times(&by_value, &transposed(&left));
-            [0, 1, 2].map(|i| [0, 1, 2].map(|j| d[i][j] * law.force / law.rows[j]))
-        };
-        // The combinations of rows without forces, and the forces that the rows leave undetermined.
-        let free_rows = masked_columns(&decompose(&transposed(&law.d)).right, singular);
-        let untold = masked_columns(&right, singular);
-        let constraints = times(&transposed(&law.r), &free_rows);
-        let Decomposition { left: combined, values: strength, right: basis } = decompose(&transposed(&constraints));
-        let held = [0, 1, 2].map(|k| strength[k] > DEPENDENT);
-        let by_rows = times(&transposed(&combined), &transposed(&free_rows));
-        let in_basis = [0, 1, 2].map(|k| {
-            let factor = |j: usize| if held[k] { by_rows[k][j] / (strength[k] * law.rows[j]) } else { 0.0 };
-            [0, 1, 2].map(factor)
+        // Rows of size one, and forces in units of the stiffness.
+        let k = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
+        let sizes = [0, 1, 2].map(|i| {
+            let size = (0..3).fold(0.0_f64, |size, j| size.hypot(self.r[i][j]).hypot(self.d[i][j] * k));
+            if size > 0.0 { size } else { 1.0 }
         });
-        let prescribed = times(&basis, &in_basis);
-        let constrained = masked_columns(&basis, held);
+        let r = [0, 1, 2].map(|i| self.r[i].map(|v| v / sizes[i]));
+        let mut d = [0, 1, 2].map(|i| self.d[i].map(|v| v * k / sizes[i]));
+        (0..3).filter(|&i| !self.forces[i]).for_each(|i| d[i][i] = 1.0);
+        let unscaled = |m: Small, factor: f64| m.map(|row| [0, 1, 2].map(|j| row[j] * factor / sizes[j]));
+        let law = decompose(&d);
+        let singular = law.values.map(|s| s <= negligible);
+        let compliance = unscaled(law.inverse(negligible), k);
+        // The combinations of rows without forces, and the forces that the rows leave undetermined.
+        let free_rows = masked_columns(&decompose(&transposed(&d)).right, singular);
+        let untold = masked_columns(&law.right, singular);
+        let constraints = decompose(&times(&transposed(&free_rows), &r));
+        let held = constraints.values.map(|strength| strength > DEPENDENT);
+        let prescribed = unscaled(times(&constraints.inverse(DEPENDENT), &transposed(&free_rows)), 1.0);
+        let constrained = masked_columns(&constraints.right, held);
         let on_constrained = times(&constrained, &transposed(&constrained));
-        let one = [0, 1, 2].map(|i| [0, 1, 2].map(|j| f64::from(u8::from(i == j))));
-        let free = minus(&one, &on_constrained);
+        let free = minus(&ONE, &on_constrained);
         let by_untold = times(&self.b, &untold);
         let inverse = pseudo_inverse(&times(&on_constrained, &by_untold), DEPENDENT);
         let reactions = product(&[&untold, &inverse, &on_constrained]);
         let springs = product(&[&self.b, &compliance, &self.r]).map(|row| row.map(|v| -v));
-        let k = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
         let diagonal = on_constrained.map(|row| row.map(|v| k * v));
         let (swept, added) = if oblique {
             let coupling = product(&[&free, &by_untold, &inverse, &on_constrained]);
             let present = [0, 1, 2].map(|i| [0, 1, 2].map(|j| if self.directions[j] { free[i][j] } else { 0.0 }));
             let sweep = times(&self.stiff_sweep(&springs), &present);
-            let swept = times(&free, &minus(&minus(&one, &coupling), &sweep));
+            let swept = times(&free, &minus(&minus(&ONE, &coupling), &sweep));
             (swept, diagonal)
         } else {
             let skew = [0, 1, 2].map(|i| [0, 1, 2].map(|j| 0.5 * (springs[j][i] - springs[i][j])));
@@ -106,10 +98,8 @@ impl Local {
             (free, [0, 1, 2].map(|i| [0, 1, 2].map(|j| diagonal[i][j] + skew[i][j])))
         };
         let forced = times(&compliance, &self.r);
-        let count = held.iter().filter(|held| **held).count();
         Eliminated {
-            held: count,
-            all_held: count == self.directions.iter().filter(|there| **there).count(),
+            held: held.into_iter().filter(|held| *held).count(),
             given: minus(&compliance, &times(&forced, &prescribed)),
             prescribed,
             free,
@@ -130,24 +120,6 @@ impl Local {
         let through = product(&[&u, &pseudo_inverse(&along, DEPENDENT), &transposed(&v)]);
         minus(&through, &product(&[&v, &transposed(&v), &through]))
     }
-
-    /// Returns the laws with rows of size one and forces in units of the stiffness.
-    fn scaled(&self) -> ScaledNode {
-        let force = if self.stiffness > 0.0 { self.stiffness } else { 1.0 };
-        let rows = [0, 1, 2].map(|i| {
-            let size = (0..3).fold(0.0_f64, |size, j| size.hypot(self.r[i][j]).hypot(self.d[i][j] * force));
-            if size > 0.0 { size } else { 1.0 }
-        });
-        let by = |m: &Small, factor: f64| [0, 1, 2].map(|i| m[i].map(|v| v * factor / rows[i]));
-        ScaledNode { r: by(&self.r, 1.0), d: by(&self.d, force), rows, force }
-    }
-}
-
-struct ScaledNode {
-    r: Small,
-    d: Small,
-    rows: [f64; 3],
-    force: f64,
 }
 
 fn masked_columns(m: &Small, keep: [bool; 3]) -> Small {
@@ -189,14 +161,14 @@ mod tests {
     #[test]
     fn an_open_node_keeps_its_forces() {
         let open = node([[0.0; 2]; 2], [[1.0, 0.0], [0.0, 1.0]]);
-        assert_eq!((open.held, open.all_held), (0, false));
+        assert_eq!(open.held, 0);
         assert_eq!(on(&open.given, [3.0, -4.0, 0.0]), [3.0, -4.0, 0.0]);
     }
 
     #[test]
     fn a_node_that_sticks_is_held_and_its_reactions_are_what_lacks() {
         let stick = node([[1.0, 0.0], [0.0, 1.0]], [[0.0; 2]; 2]);
-        assert_eq!((stick.held, stick.all_held), (2, true));
+        assert_eq!(stick.held, 2);
         // The direction that the node does not have is left alone.
         assert_eq!(on(&stick.free, [1.0, 1.0, 1.0]), [0.0, 0.0, 1.0]);
         let w = on(&stick.prescribed, [0.25, 0.5, 0.0]);
@@ -211,7 +183,7 @@ mod tests {
         let slip = [[0.0, 0.0], [0.0, 1.0]];
         let law = [[1.0, 0.4], [0.0, 0.0]];
         let (slip, oblique) = (node(slip, law), local(slip, law).eliminated(true));
-        assert_eq!((slip.held, slip.all_held), (1, false));
+        assert_eq!(slip.held, 1);
         let (given, reaction) = (on(&slip.given, [0.0, 0.5, 0.0]), on(&slip.reactions, [0.0, -3.0, 0.0]));
         let p = [given[0] + reaction[0], given[1] + reaction[1]];
         assert!((p[1] - 3.0).abs() < 1e-14 && (p[0] + 0.4 * p[1]).abs() < 1e-14, "{p:?}");

@@ -4,6 +4,7 @@
 /// A matrix of at most three by three; missing entries are 0.
 pub(super) type Small = [[f64; 3]; 3];
 
+pub(super) const ONE: Small = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 #[cfg(test)]
 pub(super) const ZERO: Small = [[0.0; 3]; 3];
 
@@ -20,27 +21,20 @@ pub(super) struct Decomposition {
 }
 
 pub(super) fn decompose(m: &Small) -> Decomposition {
-    let (mut w, mut v) = (*m, [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+    let (mut w, mut v) = (*m, ONE);
     for _ in 0..SWEEPS {
-        let mut turned = false;
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
             let product = |a: usize, b: usize| (0..3).map(|i| w[i][a] * w[i][b]).sum::<f64>();
             let (pp, qq, pq) = (product(p, p), product(q, q), product(p, q));
             if pq.abs() <= ORTHOGONAL * (pp * qq).sqrt() || pq == 0.0 {
                 continue;
             }
-            turned = true;
             let zeta = (qq - pp) / (2.0 * pq);
             let t = zeta.signum() / (zeta.abs() + zeta.hypot(1.0));
             let c = 1.0 / t.hypot(1.0);
-            for matrix in [&mut w, &mut v] {
-                for row in matrix {
-                    (row[p], row[q]) = (c * row[p] - c * t * row[q], c * t * row[p] + c * row[q]);
-                }
+            for row in w.iter_mut().chain(&mut v) {
+                (row[p], row[q]) = (c * row[p] - c * t * row[q], c * t * row[p] + c * row[q]);
             }
-        }
-        if !turned {
-            break;
         }
     }
     let size = |k: usize| w.iter().fold(0.0_f64, |size, row| size.hypot(row[k]));
@@ -51,11 +45,18 @@ pub(super) fn decompose(m: &Small) -> Decomposition {
     Decomposition { left, values, right: v.map(|row| order.map(|k| row[k])) }
 }
 
+impl Decomposition {
+    /// Returns the pseudo-inverse, with those values alone that are more than `negligible`.
+    pub(super) fn inverse(&self, negligible: f64) -> Small {
+        let inverse = self.values.map(|s| if s > negligible { 1.0 / s } else { 0.0 });
+        times(&self.right.map(|row| [0, 1, 2].map(|k| row[k] * inverse[k])), &transposed(&self.left))
+    }
+}
+
 /// Returns the pseudo-inverse of `m`, which ignores singular values below the share `negligible` of the largest.
 pub(super) fn pseudo_inverse(m: &Small, negligible: f64) -> Small {
-    let Decomposition { left, values, right } = decompose(m);
-    let inverse = values.map(|s| if s > negligible * values[0] { 1.0 / s } else { 0.0 });
-    times(&right.map(|row| [0, 1, 2].map(|k| row[k] * inverse[k])), &transposed(&left))
+    let decomposition = decompose(m);
+    decomposition.inverse(negligible * decomposition.values[0])
 }
 
 pub(super) fn times(a: &Small, b: &Small) -> Small {

@@ -8,7 +8,7 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 
 use stickslip::algebra::linear::LinearError;
 
-use super::sys;
+use super::{call, sys};
 
 /// The message of the last error.
 static MESSAGE: Mutex<String> = Mutex::new(String::new());
@@ -31,47 +31,38 @@ pub(crate) fn start(options: &str) -> Result<(), LinearError> {
         return Ok(());
     }
     *present = options.to_string();
-    // SAFETY: PETSc runs, and copies the text.
-    unsafe {
-        check(OPTIONS, sys::PetscOptionsClear(ptr::null_mut()))?;
-        check(OPTIONS, sys::PetscOptionsInsertString(ptr::null_mut(), text.as_ptr()))?;
-        if has(c"-log_view")? { check(OPTIONS, sys::PetscLogDefaultBegin()) } else { Ok(()) }
-    }
+    call!(OPTIONS, PetscOptionsClear(ptr::null_mut()))?;
+    call!(OPTIONS, PetscOptionsInsertString(ptr::null_mut(), text.as_ptr()))?;
+    if has(c"-log_view")? { call!(OPTIONS, PetscLogDefaultBegin()) } else { Ok(()) }
 }
 
 /// Returns `true` if there is an option of this name.
 pub(crate) fn has(name: &CStr) -> Result<bool, LinearError> {
     let mut is_set = sys::PetscBool_PETSC_FALSE;
-    let (options, prefix) = (ptr::null_mut(), ptr::null());
-    // SAFETY: PETSc runs, and the name is a C string.
-    check(OPTIONS, unsafe { sys::PetscOptionsHasName(options, prefix, name.as_ptr(), &raw mut is_set) })?;
+    call!(OPTIONS, PetscOptionsHasName(ptr::null_mut(), ptr::null(), name.as_ptr(), &raw mut is_set))?;
     Ok(is_set == sys::PetscBool_PETSC_TRUE)
 }
 
 /// Sets an option.
-pub(crate) fn set(name: &CStr, value: usize) -> Result<(), LinearError> {
-    let value = CString::new(value.to_string()).unwrap_or_default();
-    // SAFETY: PETSc runs, and copies both texts.
-    check(OPTIONS, unsafe { sys::PetscOptionsSetValue(ptr::null_mut(), name.as_ptr(), value.as_ptr()) })
+pub(crate) fn set(name: &CStr, value: &CStr) -> Result<(), LinearError> {
+    call!(OPTIONS, PetscOptionsSetValue(ptr::null_mut(), name.as_ptr(), value.as_ptr()))
 }
 
 /// Returns an error unless PETSc has asked for each of these `options`.
 pub(crate) fn check_options(options: &str) -> Result<(), LinearError> {
     /// The requests of PETSc at its start and its end.
     const LATER: [&str; 5] = ["help", "info", "log_", "malloc_", "options_"];
-    let (all, mut many, mut names, mut values) = (ptr::null_mut(), 0, ptr::null_mut(), ptr::null_mut());
-    let unused: Vec<String>;
-    // SAFETY: PETSc runs, and lends two lists of this length until they are given back.
-    unsafe {
-        check(OPTIONS, sys::PetscOptionsLeftGet(all, &raw mut many, &raw mut names, &raw mut values))?;
-        let name = |k: usize| CStr::from_ptr(*names.add(k)).to_string_lossy().into_owned();
-        unused = (0..many as usize).map(name).collect();
-        check(OPTIONS, sys::PetscOptionsLeftRestore(all, &raw mut many, &raw mut names, &raw mut values))?;
+    let (mut wrong, is_later) = (Vec::new(), |name: &str| LATER.iter().any(|later| name.starts_with(later)));
+    for name in options.split_whitespace().filter_map(|word| word.strip_prefix('-')).filter(|name| !is_later(name)) {
+        let [text, option] = [name, &format!("-{name}")].map(|text| CString::new(text).unwrap_or_default());
+        let mut is_used = sys::PetscBool_PETSC_FALSE;
+        call!(OPTIONS, PetscOptionsUsed(ptr::null_mut(), text.as_ptr(), &raw mut is_used))?;
+        // A negative value is no option, nor is one of a system whose options others have replaced. The question uses
+        // the option.
+        if is_used == sys::PetscBool_PETSC_FALSE && has(&option)? {
+            wrong.push(name);
+        }
     }
-    let is_wrong = |name: &&str| unused.iter().any(|unused| unused == name);
-    let names = options.split_whitespace().filter_map(|word| word.strip_prefix('-'));
-    let names = names.filter(|name| !LATER.iter().any(|later| name.starts_with(later)));
-    let wrong: Vec<&str> = names.filter(is_wrong).collect();
     if wrong.is_empty() {
         return Ok(());
     }
@@ -89,14 +80,9 @@ pub(crate) fn end() {
 }
 
 fn first() -> Result<(), LinearError> {
-    const STEP: &str = "its start";
-    // SAFETY: MPI runs, and PETSc uses it unchanged. Options are copied.
-    unsafe {
-        let (name, value) = (c"-no_signal_handler".as_ptr(), c"true".as_ptr());
-        check(STEP, sys::PetscOptionsSetValue(ptr::null_mut(), name, value))?;
-        check(STEP, sys::PetscInitializeNoArguments())?;
-        check(STEP, sys::PetscPushErrorHandler(Some(keep), ptr::null_mut()))
-    }
+    set(c"-no_signal_handler", c"true")?;
+    call!("its start", PetscInitializeNoArguments())?;
+    call!("its start", PetscPushErrorHandler(Some(keep), ptr::null_mut()))
 }
 
 /// Keeps the message of an error for [`check`], and prints nothing.

@@ -20,26 +20,25 @@ const NAP: c_long = 5_000_000;
 
 /// All ranks from the view of one, while MPI runs.
 pub(crate) struct World {
-    rank: usize,
-    size: usize,
+    pub rank: usize,
+    /// The number of processes.
+    pub size: usize,
 }
 
-/// Broadcasts the `words` of rank 0. MPI must run, and all ranks must have the same number of words.
-pub(crate) fn broadcast(words: &mut [i64]) {
-    // SAFETY: MPI runs, and every rank has the same number of words.
-    unsafe { sys::mpi_shim_hand_out(words.as_mut_ptr(), words.len() as c_int, NAP) };
+/// Broadcasts the `numbers` of rank 0. MPI must run, and all ranks must have as many.
+pub(crate) fn broadcast<T: Copy + Default>(numbers: &mut [T]) {
+    // SAFETY: MPI runs, every rank has the same number of bytes, and all values of numbers are valid.
+    unsafe { sys::mpi_shim_hand_out(numbers.as_mut_ptr().cast(), size_of_val(numbers) as c_int, NAP) };
 }
 
 /// Broadcasts a number and a job of rank 0.
 pub(crate) fn broadcast_job(own: Option<(i64, Job)>) -> Result<(i64, Job), LinearError> {
-    let text = own.and_then(|own| serde_json::to_string(&own).ok()).unwrap_or_default();
-    let mut length = [text.len() as i64];
+    let mut text = own.and_then(|own| serde_json::to_vec(&own).ok()).unwrap_or_default();
+    let mut length = [text.len()];
     broadcast(&mut length);
-    let mut words: Vec<i64> = text.bytes().map(i64::from).collect();
-    words.resize(length[0] as usize, 0);
-    broadcast(&mut words);
-    let bytes: Vec<u8> = words.into_iter().map(|word| word as u8).collect();
-    serde_json::from_slice(&bytes).map_err(|_| LinearError::RankFailed)
+    text.resize(length[0], 0);
+    broadcast(&mut text);
+    serde_json::from_slice(&text).map_err(|_| LinearError::RankFailed)
 }
 
 #[allow(clippy::unused_self, reason = "MPI runs as long as there is a world")]
@@ -55,26 +54,10 @@ impl World {
         if status == 0 { Ok(World { rank, size }) } else { Err(status) }
     }
 
-    /// Creates the view of rank 0 on this number of ranks, without MPI.
-    #[cfg(test)]
-    pub(super) fn of(size: usize) -> Self {
-        World { rank: 0, size }
-    }
-
     /// Ends MPI.
     pub(super) fn end(self) {
         // SAFETY: every MPI call needs a `World`, and this was the only one.
         unsafe { sys::mpi_shim_end() };
-    }
-
-    /// Returns the rank of this process.
-    pub(crate) fn rank(&self) -> usize {
-        self.rank
-    }
-
-    /// Returns the number of processes.
-    pub(crate) fn size(&self) -> usize {
-        self.size
     }
 
     /// Gathers `N` numbers of each rank on rank 0, one rank after the other; nothing on the others.
