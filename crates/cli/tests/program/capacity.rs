@@ -58,7 +58,6 @@ fn capacities_are_those_of_closed_forms() {
     for (name, text, expected) in cases {
         let (status, found) = capacity(&text, 1, &[]);
         let [holds, slips] = [0, 1].map(|k| found["between"][k].as_f64().unwrap_or(f64::NAN));
-        println!("{name}: {holds} to {slips}, {expected}");
         assert!(holds <= expected * 1.001 && slips >= expected * 0.999 && slips / holds < 1.003, "{name}: {found}");
         assert_eq!(status, Some(i32::from(expected < 1.0)), "{name}");
     }

@@ -57,7 +57,8 @@ fn scenes_to_start_from_are_listed_and_checked() {
         let folder = Folder::new();
         assert_exit(&stickslip(&["init", kind, "--out", &folder.join("")]), 0);
         let names = folder.names("");
-        let scene = names.iter().find(|name| name.ends_with(".toml")).unwrap();
+        let scene =
+            names.iter().find(|name| Path::new(name).extension().is_some_and(|extension| extension == "toml")).unwrap();
         assert_exit(&stickslip(&["check", &folder.join(scene)]), 0);
     }
 }
