@@ -143,7 +143,7 @@ def converge(
     max_runs : int, optional
         The largest number of runs, 3 or more.
     within : float, optional
-        The largest time of the study, s: a run that is predicted to exceed it is not started.
+        The largest time of the study, s: a run that is predicted to exceed it is not started, one that exceeds it is stopped.
     linear : {"auto", "faer", "partial", "condensed", "umfpack"}, optional
         "auto": what suits the sizes of each mesh. None: what the scene says. ``solver.linear`` of the overrides goes before it.
     progress : bool, optional

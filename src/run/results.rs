@@ -86,22 +86,24 @@ impl Run<'_> {
         let mut missing = Vec::new();
         let found = watches.estimates.estimates(&self.model);
         let mut estimates = Estimates { increments: outcome.increment_error, ..found };
-        let converged = outcome.status == Status::Converged;
+        // A run that was stopped solves nothing more.
+        let (converged, goes_on) = (outcome.status == Status::Converged, outcome.status != Status::Interrupted);
         if self.cycle.is_some() && watches.cycle.is_none() {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
         let of_mesh = watches.key.moments().map(|moment| {
-            let error = moment.map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
+            let error = moment.filter(|_| goes_on).map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
             or_missing(&mut missing, "the error of a contact force by the mesh", error)
         });
         estimates.tangential = watches.key.learn(of_mesh);
-        let jump = self.force_jump(&watches.jumps, settings, &outcome.scales, observer);
+        let jumps = Some(&watches.jumps).filter(|_| goes_on);
+        let jump = jumps.map_or(Ok(None), |jumps| self.force_jump(jumps, settings, &outcome.scales, observer));
         let jump = or_missing(&mut missing, "the check for jumps of contact forces", jump);
         if converged {
             let by_start = self.friction_by_start(watches.jumps.largest(), observer);
             estimates.start = or_missing(&mut missing, "the error of friction by the first increment", by_start);
         }
-        let critical = watches.last.as_ref().map_or(Ok(None), |last| self.critical_friction(last));
+        let critical = watches.last.as_ref().filter(|_| goes_on).map_or(Ok(None), |last| self.critical_friction(last));
         let critical_friction = or_missing(&mut missing, "the critical friction", critical);
         Additional { estimates, jump, critical_friction, missing }
     }

@@ -14,6 +14,7 @@ mod picture;
 mod quantity;
 mod steps;
 
+use std::ops::ControlFlow;
 use std::time::Instant;
 
 use serde::Serialize;
@@ -24,6 +25,7 @@ use stickslip::body::mesh::{Mesh, MeshSource};
 use stickslip::run::report::{LargestPressure, RunReport};
 use stickslip::run::{Refinement, Run, RunError};
 use stickslip::scene::Scene;
+use stickslip::solver::IterationRecord;
 use stickslip::solver::history::{Observer, Status};
 
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
@@ -60,7 +62,7 @@ pub enum Verdict {
     Interrupted,
     /// The limit of runs was reached.
     RunLimit,
-    /// The next run would exceed the limit of time.
+    /// The last run exceeded the limit of time, or the next run would.
     TimeLimit,
     /// There is no finer mesh.
     NoFinerMesh,
@@ -103,16 +105,35 @@ pub fn compute(
     let sought = plan.sought.at(&places, true).map_err(StudyError::Quantity)?;
     let mut last = None;
     let mut meshes = Meshes::new(scene, &ladder)?;
-    let result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
-        let (run, report) = solve(&mut meshes, &sought, (mesh, increments), steps, progress, observer)?;
+    let mut deadline = Deadline { observer, start: Instant::now(), within: plan.limits.within, is_over: false };
+    let mut result = steps::refine(&ladder, plan.limits, sought.is_peak(), &mut |steps, mesh, increments| {
+        let (run, report) = solve(&mut meshes, &sought, (mesh, increments), steps, progress, &mut deadline)?;
         if report.status != Status::Interrupted || last.is_none() {
             last = Some(report);
         }
         Ok(run)
     })?;
+    if deadline.is_over && result.verdict == Verdict::Interrupted {
+        result.verdict = Verdict::TimeLimit;
+    }
     let last = last.ok_or(StudyError::NoFinerMesh)?;
     let mesh = meshes.refined.map(|(refinement, ..)| refinement.scene().description.mesh.clone());
     Ok(Convergence { sought, to: plan.limits.to, own_increments: scene.time.increments, result, last, mesh })
+}
+
+/// An observer that stops a run when the time of the study is over.
+struct Deadline<'a> {
+    observer: &'a mut dyn Observer,
+    start: Instant,
+    within: f64,
+    is_over: bool,
+}
+
+impl Observer for Deadline<'_> {
+    fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
+        self.is_over |= self.start.elapsed().as_secs_f64() > self.within;
+        if self.is_over { ControlFlow::Break(()) } else { self.observer.iteration(index, record) }
+    }
 }
 
 /// Reads the meshes that are named, so that none is found to be wrong after the runs with the coarser ones.

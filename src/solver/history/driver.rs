@@ -213,7 +213,7 @@ impl<'a> HistoryDriver<'a> {
         while let Some(&time) = times.get(outcome.tally.increments) {
             let index = outcome.tally.increments + 1;
             let (began, before) = self.increment_clock.take().unwrap_or_else(|| (Instant::now(), *linear.statistics()));
-            let mut progress = IncrementObserver { problem, index, observer: &mut *observer };
+            let mut progress = IncrementObserver { problem, index, observer: &mut *observer, has_stopped: false };
             let increment = match driver.increment(time, linear, &mut progress) {
                 Ok(IncrementEnd::Ended(increment)) => increment,
                 Ok(IncrementEnd::NeedsNodes(nodes)) => {

@@ -49,7 +49,7 @@ const FAR: f64 = 1e3;
 impl IncrementDriver<'_> {
     /// Looks for the first touch in a converged substep that began at the times and the state given. Returns the share
     /// of the substep after which a node touches whose motion before matters, and the result of the method, or `None` if
-    /// no such node is possible. Without such a share, the method is left at the end of the substep.
+    /// no such node is possible. Without such a share, the method is left at the end of the substep, unless it was interrupted.
     pub(super) fn first_touch(
         &mut self,
         [from, time]: [f64; 2],
@@ -118,7 +118,7 @@ impl IncrementDriver<'_> {
         };
         let is_found = solved.stop == Termination::Converged;
         let share = candidates.iter().filter_map(matters).min_by(f64::total_cmp).filter(|_| is_found);
-        if share.is_none() {
+        if share.is_none() && solved.stop != Termination::Interrupted {
             self.stage.method.restore(reached, linear)?;
         }
         Ok(Some((share, solved)))

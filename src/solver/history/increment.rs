@@ -24,7 +24,7 @@ use super::state::{HistoryState, IncrementInProgress, RigidOffset, Step};
 use super::task::{Observe, Task};
 use super::{Slip, Status, record};
 use crate::algebra::linear::{LinearError, RefinedSolver};
-use crate::solver::laws::{Judgement, KktScales, statuses_of};
+use crate::solver::laws::{ContactStatus, Judgement, KktScales, statuses_of};
 use crate::solver::newton::{Iteration, MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, driven_motion, excess, is_held_by_friction, landing};
@@ -107,6 +107,8 @@ pub(super) struct IncrementObserver<'a> {
     pub problem: &'a ContactProblem,
     pub index: usize,
     pub observer: &'a mut dyn Observer,
+    /// `true` once the observer has asked to stop.
+    pub has_stopped: bool,
 }
 
 impl IncrementObserver<'_> {
@@ -114,7 +116,9 @@ impl IncrementObserver<'_> {
         let flow = iteration
             .system
             .map_or(ControlFlow::Continue(()), |system| self.observer.linear_system(self.index, &system));
-        if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) }
+        let flow = if flow.is_break() { flow } else { self.observer.iteration(self.index, &iteration.record) };
+        self.has_stopped |= flow.is_break();
+        flow
     }
 
     /// Reports a converged substep that ends at `time`. `data` is relative to the rigid offset; observers receive
@@ -131,6 +135,15 @@ impl IncrementObserver<'_> {
         let at = (self.index, time, data.force);
         let record = result.record(self.problem, at, &statuses, Seconds::default());
         self.observer.substep(&IncrementView { record: &record, increment, state, statuses: &statuses });
+    }
+}
+
+/// Removes the forces below rounding that an iterative solver leaves at open nodes.
+fn release_open(problem: &ContactProblem, data: &Increment<'_>, state: &mut State) {
+    let rounding = f64::EPSILON * state.p_n.iter().copied().fold(0.0, f64::max);
+    for (i, status) in statuses_of(problem, data, state).into_iter().enumerate() {
+        let forces = [&mut state.p_n[i], &mut state.p_t[i], &mut state.p_o[i]];
+        forces.into_iter().filter(|p| status == ContactStatus::Open && p.abs() <= rounding).for_each(|p| *p = 0.0);
     }
 }
 
@@ -201,18 +214,19 @@ impl IncrementDriver<'_> {
                 self.history.friction = self.friction_with(&substep);
             }
             // A substep that ends at a touch has no touch before.
-            if touches_left > 0 && !divided && is_solved {
+            if touches_left > 0 && !divided && is_solved && !progress.has_stopped {
                 let observe: Observe<'_> = &mut |iteration| progress.iteration(iteration);
                 if let Some((share, found)) =
                     self.first_touch([from, end], &substep, (&input, &rollback), linear, observe)?
                 {
-                    if found.stop == Termination::Interrupted {
-                        (substep.status, is_solved) = (Status::Interrupted, false);
-                    }
                     substep.solved = found.then(substep.solved);
                     touch = share.map(|share| from + share * (end - from));
                     touch = touch.filter(|touch| touch - from > NEAREST * length && *touch < end);
                 }
+            }
+            // Nothing more is solved: there may be a touch, or another substep.
+            if is_solved && progress.has_stopped {
+                (substep.status, is_solved, touch) = (Status::Interrupted, false, None);
             }
             so_far.sum.solved = so_far.sum.solved.then(substep.solved.clone());
             if let Some(touch) = touch {
@@ -376,7 +390,8 @@ impl IncrementDriver<'_> {
             Termination::Interrupted => recovered,
             _ => self.body.refined(recovered, (&data, scales, tolerance), &mut contact)?,
         };
-        let RecoveredState { state, backward_error, .. } = recovered;
+        let RecoveredState { mut state, backward_error, .. } = recovered;
+        release_open(self.body.problem, &data, &mut state);
         let solved = MethodResult { backward_error: outcome.backward_error.max(backward_error), ..outcome };
         self.history.worst_backward_error = self.history.worst_backward_error.max(backward_error);
         let judgement = Judgement::near(self.body.problem, &data, &state, scales, tolerance)?;

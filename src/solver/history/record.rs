@@ -40,7 +40,7 @@ pub enum Status {
     NotFinite,
     /// There was not enough memory.
     OutOfMemory,
-    /// The run was stopped on request.
+    /// The run was stopped on request. Nothing more was solved, so that errors of forces and jumps are not told.
     Interrupted,
     /// The method does not support the problem: the paper's interior point method, and the extended Newton system,
     /// have one tangent at every node.

@@ -35,7 +35,7 @@ pub(super) struct ConvergeArgs {
     /// Largest number of runs
     #[arg(long, value_name = "N", default_value_t = 12, value_parser = clap::value_parser!(u16).range(3..))]
     max_runs: u16,
-    /// Largest time of the whole study: a run that is predicted to exceed it is not started
+    /// Largest time of the whole study: a run that is predicted to exceed it is not started, one that exceeds it is stopped
     #[arg(long, value_name = "SECONDS", default_value_t = 600.0, value_parser = seconds)]
     within: f64,
     /// Write the table (converge.csv), all results (converge.json), the chart (converge.svg) and the last mesh that refined
@@ -103,6 +103,12 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
     let json = pretty(&changed(study.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n{}\n", scene.title, study.table());
     text.extend(study.lines().iter().map(|(label, line)| paragraph(label, line)));
+    // A study that was interrupted replaces no other.
+    let is_interrupted = study.result.verdict == Verdict::Interrupted;
+    let earlier = folder.as_ref().filter(|folder| is_interrupted && folder.path.join(FILES[0]).exists());
+    if let Some(StudyFolder { path, .. }) = earlier {
+        text.push_str(&paragraph("results", &format!("those of the earlier study remain in {}", path.display())));
+    }
     let files = || {
         let mesh = study.to_msh();
         // Another study may have left its mesh.
@@ -111,6 +117,6 @@ pub(super) fn converge(args: &ConvergeArgs, invocation: &Invocation) -> Result<E
         }
         Ok(FILES.into_iter().zip([study.to_csv(), json.clone(), study.chart().to_svg()?].into_iter().chain(mesh)))
     };
-    print_results(folder.as_ref(), args.json.then_some(&json), &text, files)?;
+    print_results(folder.as_ref().filter(|_| earlier.is_none()), args.json.then_some(&json), &text, files)?;
     Ok(if study.result.verdict == Verdict::Known { ExitStatus::Success } else { ExitStatus::NotConverged })
 }

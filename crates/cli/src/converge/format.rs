@@ -176,10 +176,10 @@ impl Convergence {
             }
             Verdict::Interrupted => format!("interrupted: {so_far}; the next study begins anew"),
             Verdict::RunLimit => format!("{so_far}{short}: {} runs are done (--max-runs)", self.result.steps.len()),
-            Verdict::TimeLimit => {
-                let next = self.result.predicted.unwrap_or_default();
-                format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)")
-            }
+            Verdict::TimeLimit => match self.result.predicted {
+                Some(next) => format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)"),
+                None => format!("{so_far}{short}: the time was over before the end of a run (--within)"),
+            },
             Verdict::NoFinerMesh if self.result.reason.is_empty() => {
                 format!("{so_far}{short}: no finer mesh is named (--meshes)")
             }
