@@ -8,9 +8,9 @@ use std::process::Command;
 const ALLOWED: [&str; 9] = [
     "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|Options(SetValue|Clear|InsertString|HasName|Used)|PushErrorHandler)",
     "PETSC_(COMM_WORLD|DETERMINE|DEFAULT)|PetscObjectDestroy",
-    "Mat(Create|SetSizes|SetBlockSize|SetType|SetOption|SetPreallocationCOO|SetValuesCOO|MatMult|Duplicate|Copy|Scale|AXPY)",
+    "Mat(Create|SetSizes|SetBlockSize|SetType|SetOption|SetPreallocationCOO|SetValuesCOO|MatMult|Duplicate|AXPY|ZeroEntries)",
     "Mat(Mult|GetDiagonal|GetRowMaxAbs|GetInfo|GetOwnershipRange|GetRow|RestoreRow|SetNearNullSpace|NullSpaceCreate)",
-    "Mat(MumpsGetInfog|MumpsGetRinfog|Partitioning(Create|SetAdjacency|SetFromOptions|Apply))",
+    "Mat(CreateComposite|Composite(SetScalings|Merge)|MumpsGetInfog|MumpsGetRinfog|Partitioning(Create|SetAdjacency|SetFromOptions|Apply))",
     "IS(GetIndices|RestoreIndices)",
     "Vec(Create|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Scatter(CreateToZero|Begin|End))",
     "PC(Create|SetType|SetOperators|Composite(SetType|AddPC)|Galerkin(SetInterpolation|SetRestriction|GetKSP)|FactorGetMatrix)",

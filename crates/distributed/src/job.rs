@@ -84,7 +84,7 @@ impl Objects {
             Job::Product => rows?.product(own)?,
             Job::Sums(beyond) => rows?.sums(beyond, own)?,
             Job::System(setup) => {
-                let rows = setup.stiffness.and_then(|number| self.rows.get_mut(&number));
+                let rows = setup.stiffness.and_then(|number| self.rows.get(&number));
                 self.systems.insert(number, System::new(world.rank, setup, rows, own)?);
             }
             Job::Factorize(factor, by) => return system?.factorize(factor, by, &own),

@@ -24,10 +24,8 @@ use crate::{direct, expect_length, ranks};
 use layout::Layout;
 
 /// The default relative residual; refinement does the rest. It is that of all solves in the plane, where inexact steps
-/// cost more Newton iterations than they save of the Krylov method, and of the last steps: those that may leave less
-/// than `LAST`.
+/// cost more Newton iterations than they save of the Krylov method.
 const TIGHT: f64 = 1e-10;
-const LAST: f64 = 1e-4;
 /// A cycle is reused if the share of contact nodes with more or fewer constrained directions is at most this. Smaller
 /// shares take more cycles, larger ones more iterations.
 const CHANGED: f64 = 0.06;
@@ -187,7 +185,7 @@ impl LinearSolver for Multigrid {
     }
 
     fn solve_to(&mut self, tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
-        let tolerance = if self.grid.dimension == 2 || tolerance < LAST { tolerance.min(TIGHT) } else { tolerance };
+        let tolerance = if self.grid.dimension == 2 { tolerance.min(TIGHT) } else { tolerance };
         let mut found = self.iterate(b, x, tolerance)?;
         while let (Some(system), ..=0) = (&mut self.system, found.1) {
             // The reused cycle converges too slowly; make a new one for this matrix.

@@ -112,10 +112,27 @@ impl Matrix {
         call!(MAKING, MatSetValuesCOO(self.0, values.as_ptr(), sys::InsertMode_INSERT_VALUES))
     }
 
-    /// Sets `factor` times `from`, a matrix of the same pattern, plus `other`, for whose entries it has room.
-    pub(crate) fn set_sum(&self, factor: f64, from: &Matrix, other: &Matrix) -> Result<(), LinearError> {
-        call!(MAKING, MatCopy(from.0, self.0, sys::MatStructure_SAME_NONZERO_PATTERN))?;
-        call!(MAKING, MatScale(self.0, factor))?;
+    /// Creates `factor` times `first` plus `other`, which products with vectors compute each time.
+    pub(crate) fn sum(factor: f64, first: &Matrix, other: &Matrix) -> Result<Self, LinearError> {
+        let made = make!(MAKING, MatCreateComposite(comm(), 2, [first.0, other.0].as_ptr()));
+        call!(MAKING, MatCompositeSetScalings(made.0, [factor, 1.0].as_ptr()))?;
+        Ok(made)
+    }
+
+    /// Computes such a sum.
+    pub(crate) fn merged(self) -> Result<Self, LinearError> {
+        call!(MAKING, MatCompositeMerge(self.0)).map(|()| self)
+    }
+
+    /// Sets `factor` times `first` plus `other`, for whose entries it has room.
+    pub(crate) fn set_sum(&self, factor: f64, first: &Matrix, other: &Matrix) -> Result<(), LinearError> {
+        call!(MAKING, MatZeroEntries(self.0))?;
+        call!(MAKING, MatAXPY(self.0, factor, first.0, sys::MatStructure_SUBSET_NONZERO_PATTERN))?;
+        self.add(other)
+    }
+
+    /// Adds a matrix for whose entries this one has room.
+    pub(crate) fn add(&self, other: &Matrix) -> Result<(), LinearError> {
         call!(MAKING, MatAXPY(self.0, 1.0, other.0, sys::MatStructure_SUBSET_NONZERO_PATTERN))
     }
 
@@ -124,11 +141,9 @@ impl Matrix {
         Ok(make!(MAKING, MatDuplicate(self.0, sys::MatDuplicateOption_MAT_COPY_VALUES)))
     }
 
-    /// Creates this matrix plus `factor` times another one.
-    pub(crate) fn plus(&self, factor: f64, other: &Matrix) -> Result<Self, LinearError> {
-        let made = self.copy()?;
-        call!(MAKING, MatAXPY(made.0, factor, other.0, sys::MatStructure_DIFFERENT_NONZERO_PATTERN))?;
-        Ok(made)
+    /// Adds `factor` times another matrix.
+    pub(crate) fn plus(self, factor: f64, other: &Matrix) -> Result<Self, LinearError> {
+        call!(MAKING, MatAXPY(self.0, factor, other.0, sys::MatStructure_DIFFERENT_NONZERO_PATTERN)).map(|()| self)
     }
 
     /// Computes the product with another matrix.

@@ -79,12 +79,6 @@ impl Rows {
         Ok(Some(Rows { matrix, exchange, result, order }))
     }
 
-    /// Returns the matrix, with room for these entries of value 0 from now on.
-    pub(crate) fn with_room(&mut self, zeros: &Matrix) -> Result<Arc<Matrix>, LinearError> {
-        self.matrix = Arc::new(self.matrix.plus(1.0, zeros)?);
-        Ok(Arc::clone(&self.matrix))
-    }
-
     /// Computes `K x`.
     pub(crate) fn product(&self, own: Own<'_>) -> Result<(), LinearError> {
         let (Rows { matrix, exchange, result, .. }, Own { x, y: [y, _], .. }) = (self, own);

@@ -56,10 +56,11 @@ pub(crate) struct System {
     setup: Setup,
     /// The number of rows of this rank.
     size: usize,
-    /// The shared stiffness, with room for the rest.
+    /// The shared stiffness, its factor, all other entries, and the sum, which is computed where its entries are needed.
     stiffness: Option<Arc<Matrix>>,
-    rest: Arc<Matrix>,
-    matrix: Arc<Matrix>,
+    factor: f64,
+    rest: Matrix,
+    sum: Option<Matrix>,
     /// The ones of the displacements, and the identity with shares and its transpose.
     ones: Matrix,
     shares: [Matrix; 2],
@@ -70,8 +71,8 @@ pub(crate) struct System {
 }
 
 impl System {
-    /// Creates the part of this rank, in which the `shared` stiffness gets room for all other entries.
-    pub(crate) fn new(rank: usize, setup: Setup, shared: Option<&mut Rows>, own: Own<'_>) -> Result<Self, LinearError> {
+    /// Creates the part of this rank, with the `shared` stiffness.
+    pub(crate) fn new(rank: usize, setup: Setup, shared: Option<&Rows>, own: Own<'_>) -> Result<Self, LinearError> {
         petsc::start(&setup.options)?;
         let own_rows = setup.rows[rank]..setup.rows[rank + 1];
         let size = own_rows.len();
@@ -81,8 +82,6 @@ impl System {
             kernel.push(Vector::new(size)?);
             exchange.deal(own.motions.get(k).map_or(&[], |motion| motion), &kernel[k])?;
         }
-        let rest = Arc::new(Matrix::of(size, own.rest)?);
-        let stiffness = shared.map(|rows| rows.with_room(&rest)).transpose()?;
         let with_ones = |mut entries: Entries, end: usize| {
             own_rows.clone().filter(|row| *row < end).for_each(|row| entries.push(row as Int, row as Int, 1.0));
             Matrix::of(size, entries)
@@ -90,9 +89,10 @@ impl System {
         let [shares, back] = own.shares.map(|entries| with_ones(entries, usize::MAX));
         Ok(System {
             size,
-            matrix: stiffness.as_ref().map_or_else(|| Ok(Arc::clone(&rest)), |k| Ok(Arc::new(k.copy()?)))?,
-            stiffness,
-            rest,
+            stiffness: shared.map(|rows| Arc::clone(&rows.matrix)),
+            factor: 1.0,
+            rest: Matrix::of(size, own.rest)?,
+            sum: None,
             ones: with_ones(Entries::default(), setup.displacements)?,
             shares: [shares?, back?],
             exchange,
@@ -111,38 +111,72 @@ impl System {
         // Factors without a cycle before them have an analysis to go on with.
         let kept = self.krylov.take().filter(|_| by == By::Factors && self.cycle.is_none());
         if let Some(factor) = factor {
+            self.factor = factor;
             self.rest.set(own.x[0])?;
-            if let Some(stiffness) = &self.stiffness {
-                self.matrix.set_sum(factor, stiffness, &self.rest)?;
-            }
+        }
+        let is_whole = by == By::Factors || petsc::has(c"-pc_type")?;
+        if let Some(stiffness) = &self.stiffness {
+            let sum = Matrix::sum(self.factor, stiffness, &self.rest)?;
+            // One that is computed keeps its pattern, of which there may be an analysis.
+            self.sum = Some(match self.sum.take().filter(|_| kept.is_some() || is_whole && by != By::Factors) {
+                Some(before) => before.set_sum(self.factor, stiffness, &self.rest).map(|()| before)?,
+                None if is_whole => sum.merged()?,
+                None => sum,
+            });
         }
         if by == By::Factors {
             self.cycle = None;
             return self.factors(kept);
         }
-        if !petsc::has(c"-pc_type")? {
+        if !is_whole {
             self.eliminate(by, own.contact.cloned().unwrap_or_default())?;
         }
-        self.krylov = Some(Krylov::new(c"", &self.matrix, self.cycle.as_ref())?);
-        Ok(vec![0.0, self.matrix.entries()?, 0.0, 1.0, 0.0])
+        self.krylov = Some(Krylov::new(c"", self.matrix(), self.cycle.as_ref())?);
+        let shared = self.stiffness.as_ref().map_or(Ok(0.0), |stiffness| stiffness.entries())?;
+        Ok(vec![0.0, shared + self.rest.entries()?, 0.0, 1.0, 0.0])
+    }
+
+    fn matrix(&self) -> &Matrix {
+        self.sum.as_ref().unwrap_or(&self.rest)
+    }
+
+    /// Computes a product with `A` as the sum of those with its parts.
+    fn of_parts(&self, product: impl Fn(&Matrix) -> Result<Matrix, LinearError>) -> Result<Matrix, LinearError> {
+        let of_rest = product(&self.rest)?;
+        let Some(stiffness) = &self.stiffness else { return Ok(of_rest) };
+        of_rest.plus(self.factor, &product(stiffness)?)
     }
 
     /// Prepares the cycle, with this `contact` eliminated.
     fn eliminate(&mut self, by: By, contact: Contact) -> Result<(), LinearError> {
-        let (a, ones, [shares, back]) = (&self.matrix, &self.ones, &self.shares);
-        let [held, free, swept, reactions, added] = contact.map(|entries| Matrix::of(self.size, entries));
-        let (held, reactions) = (shares.times(&held?)?, reactions?.times(back)?);
-        let (free, swept) = (shares.times(&ones.plus(1.0, &free?)?)?, ones.plus(1.0, &swept?)?.times(back)?);
+        let (ones, [shares, back]) = (&self.ones, &self.shares);
+        let [held, freed, sweeping, reactions, added] = contact.map(|entries| Matrix::of(self.size, entries));
+        let (freed, sweeping) = (freed?, sweeping?);
+        let [mut held, mut reactions] = [held?, reactions?];
+        let [mut free, mut swept] = [ones.copy()?.plus(1.0, &freed)?, ones.copy()?.plus(1.0, &sweeping)?];
+        // With a shared stiffness, no displacement contains others.
+        if self.stiffness.is_none() {
+            [held, free] = [shares.times(&held)?, shares.times(&free)?];
+            [reactions, swept] = [reactions.times(back)?, swept.times(back)?];
+        }
         if let By::NewCycle { spd } = by {
             // The old cycle is dropped before a new one is made.
             self.cycle = None;
-            let between = swept.times(a)?.times(&free)?.plus(1.0, &added?)?;
+            let mut between = swept.times(&self.rest)?.times(&free)?.plus(1.0, &added?)?;
+            if let Some(stiffness) = &self.stiffness {
+                // Contact changes few of its entries, and adds none.
+                let changed = stiffness.copy()?;
+                changed.add(&stiffness.times(&freed)?)?;
+                changed.add(&sweeping.times(&changed)?)?;
+                between = between.plus(self.factor, &changed)?;
+            }
             self.cycle = Some(Cycle::new(&between, self.setup.dimension, &self.kernel, spd)?);
         }
-        let by_held = a.times(&held)?;
-        let known = held.plus(1.0, &reactions)?.plus(-1.0, &reactions.times(&by_held)?)?;
-        let from_all = swept.plus(-1.0, &swept.times(&by_held)?)?;
-        let to_all = free.plus(-1.0, &reactions.times(a)?.times(&free)?)?;
+        let by_held = self.of_parts(|a| a.times(&held))?;
+        let [of_held, of_swept] = [reactions.times(&by_held)?, swept.times(&by_held)?];
+        let of_free = self.of_parts(|a| reactions.times(a)?.times(&free))?;
+        let (from_all, to_all) = (swept.plus(-1.0, &of_swept)?, free.plus(-1.0, &of_free)?);
+        let known = held.plus(1.0, &reactions)?.plus(-1.0, &of_held)?;
         self.cycle.as_ref().ok_or(crate::NOT_FACTORIZED)?.set(&known, [&from_all, &to_all])
     }
 
@@ -151,10 +185,10 @@ impl System {
         // The room of the factors beyond the prediction, in per cent.
         for room in [30, 80, 180, 380, 780, 1580, 3180] {
             let made = if let Some(made) = kept.take() {
-                made.set_up(&self.matrix).map(|()| made)?
+                made.set_up(self.matrix()).map(|()| made)?
             } else {
                 petsc::set(c"-factors_mat_mumps_icntl_14", &CString::new(room.to_string()).unwrap_or_default())?;
-                Krylov::new(c"factors_", &self.matrix, None)?
+                Krylov::new(c"factors_", self.matrix(), None)?
             };
             let ([status, peak, entries], [flops, least, largest]) = made.factor_info()?;
             if !matches!(status, -8 | -9 | -11 | -14 | -15 | -17 | -20) {
