@@ -16,12 +16,12 @@ pub fn pages() -> Vec<(PathBuf, String)> {
     pages.map(|path| (path.clone(), fs::read_to_string(path).unwrap())).collect()
 }
 
-/// Adds the pages of a folder. An introduction is a part of another page, which is in the folder above.
+/// Adds the pages of a folder.
 fn add_pages(folder: &Path, pages: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
         if path.is_dir() {
             add_pages(&path, pages);
-        } else if path.extension().is_some_and(|extension| extension == "md") && !path.ends_with("introduction.md") {
+        } else if path.extension().is_some_and(|extension| extension == "md") {
             pages.push(path);
         }
     }
