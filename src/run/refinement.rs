@@ -2,9 +2,9 @@
 //! and so on until the error of the mesh is expected to be as small as asked for.
 //!
 //! The cells with half of the squared error `η²` of [`DiscretisationError`] get half their size (Dörfler, SIAM J. Numer.
-//! Anal. 33 (1996) 1106). Each counts with its largest error at the output times, or at the end, relative to
-//! the energy of all bodies; the error that is to become small is the largest of a body at one time, relative to its
-//! own energy. Errors are largest at the ends of contact zones and at corners, so that most cells are there.
+//! Anal. 33 (1996) 1106). The error of a cell is its largest at the output times, or at the end, relative to the energy
+//! of its body; refinement stops by the largest error of a body. Errors are largest at the ends of contact zones and at
+//! corners, so that most cells are there.
 //!
 //! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so that a
 //! polygon becomes a circle.
@@ -131,7 +131,7 @@ impl Refinement {
         prepare: &mut dyn FnMut(&Model),
         observer: &mut dyn Observer,
     ) -> Result<(), RunError> {
-        for _ in 0..MAX_MESHES {
+        for _ in 1..MAX_MESHES {
             let (meshes, share) = STAGNANT;
             let before = self.meshes.len().checked_sub(meshes).map(|k| share * self.meshes[k].error);
             let last = self.meshes.last().map(|mesh| mesh.error);

@@ -92,7 +92,8 @@ impl Run<'_> {
             missing.push(Warning::of_missing("the load cycle", &NoCycle));
         }
         let of_mesh = watches.key.moments().map(|moment| {
-            let error = moment.filter(|_| goes_on).map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
+            let error =
+                moment.filter(|_| goes_on).map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
             or_missing(&mut missing, "the error of a contact force by the mesh", error)
         });
         estimates.tangential = watches.key.learn(of_mesh);

@@ -146,6 +146,7 @@ fn open_nodes_have_no_forces() {
     assert_eq!(outcome.status, Status::Converged);
     let forces: Vec<f64> = keep.states.iter().flat_map(|state| [&state.p_n, &state.p_t]).flatten().copied().collect();
     let largest = forces.iter().fold(0.0_f64, |most, p| most.max(p.abs()));
-    let (none, left) = (forces.iter().filter(|p| **p == 0.0).count(), forces.iter().filter(|p| p.abs() < 1e-14 * largest).count());
+    let (none, left) =
+        (forces.iter().filter(|p| **p == 0.0).count(), forces.iter().filter(|p| p.abs() < 1e-14 * largest).count());
     assert!(none > 0 && none == left, "{none} of {left}");
 }

@@ -1,6 +1,6 @@
 /* The little of MPI that `ranks.rs` calls, in functions: the names of MPI are macros, which no binding can call. */
 
-/* Starts MPI, unless it runs: 0, or the level of threads that it gives where one call at a time is not among what it bears. */
+/* Starts MPI, unless it runs. Returns 0, or 1 + the level of threads if MPI does not allow calls from several threads, one at a time. */
 int mpi_shim_start(void);
 int mpi_shim_rank(void);
 int mpi_shim_size(void);

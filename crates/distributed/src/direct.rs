@@ -2,8 +2,8 @@
 //!
 //! The values change while the analysis is kept. Therefore the analysis must not depend on values: there is no
 //! permutation for large diagonals. Zero diagonals, such as in the rows of sticking nodes, are pivots that are delayed
-//! to a later front; zeros that give the forces at a node the couplings of its displacements, so that one front has all
-//! of them, save nothing. If pivots need more memory than predicted, the factorisation is repeated with more. Refinement
+//! to a later front; explicit zeros, with which one front holds the forces of a node and its displacements, save
+//! nothing. If pivots need more memory than predicted, the factorisation is repeated with more. Refinement
 //! is left to [`RefinedSolver`](stickslip::algebra::linear::RefinedSolver).
 
 use std::sync::Arc;

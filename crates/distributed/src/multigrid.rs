@@ -1,10 +1,10 @@
 //! GMRES of PETSc on the uncondensed system, preconditioned by multigrid including contact: for bodies too large for a
 //! factorisation.
 //!
-//! Contact is eliminated exactly, node by node (`node`, `layout`), and one cycle of algebraic multigrid on the matrix
-//! that is left preconditions the whole Newton system (`crate::system`). The number of iterations is independent of the
-//! mesh, the contact statuses and the friction. Exceptions are nearly incompressible materials and meshes graded in two
-//! directions at once, for which MUMPS takes over.
+//! Contact is eliminated node by node (`node`, `layout`), and one cycle of algebraic multigrid on the matrix that is left
+//! preconditions the whole Newton system (`crate::system`). BN's matrix is left symmetric: it lacks the coupling of
+//! friction to normal forces, so that the number of iterations grows with friction, and slowly with the mesh. For nearly
+//! incompressible materials and meshes graded in two directions at once, MUMPS takes over.
 
 mod layout;
 mod node;

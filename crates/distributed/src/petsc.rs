@@ -21,8 +21,9 @@ pub(crate) use sys::PetscInt as Int;
 /// Calls a function of PETSc, and converts its status.
 macro_rules! call {
     ($step:expr, $function:ident($($argument:expr),* $(,)?)) => {{
-        // SAFETY: PETSc runs. All handles are of objects of this module, which own them; the length of every array is
-        // that of its slice, or is compared with it before; and the lock of `ranks` keeps other threads away.
+        // SAFETY: PETSc runs, or starts by this call. All handles are of objects of this module, which own them; the
+        // length of every array is that of its slice, or callers compare it before; and the lock of `ranks` keeps other
+        // threads away.
         let status = unsafe { $crate::petsc::sys::$function($($argument),*) };
         $crate::petsc::check($step, status)
     }};
@@ -107,7 +108,7 @@ impl Matrix {
         Ok(made)
     }
 
-    /// Sets the sums of these values at the places of [`Matrix::of`].
+    /// Sets the sums of these values at the places of [`Matrix::of`], which are as many.
     pub(crate) fn set(&self, values: &[f64]) -> Result<(), LinearError> {
         call!(MAKING, MatSetValuesCOO(self.0, values.as_ptr(), sys::InsertMode_INSERT_VALUES))
     }

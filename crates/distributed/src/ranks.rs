@@ -142,7 +142,7 @@ pub(crate) fn run(told: (i64, Job), own: Own<'_>) -> Reply {
 pub fn end() {
     let mut state = state();
     if let State::Running(..) = &*state {
-        // A job without data can be reply.
+        // If the other ranks are gone, there is nobody left to end.
         let _ = shim::broadcast_job(Some((0, Job::End)));
         state.finish();
     }

@@ -34,7 +34,8 @@ pub(crate) fn share(body: Arc<dyn NodeRows>, near: &[bool], contacts: usize) -> 
     let own = Own { body: Some(&*body), numbering: Some(&mut numbering), y, ..Own::default() };
     let rows = Remote::new(Job::Rows(contacts * body.dimension()), own)?;
     let Some((numbering, entries)) = numbering else { return Ok(None) };
-    let Some(Ok(near)) = body.rows(near).map(|rows| columns(&rows, &*body, near)) else { return Ok(None) };
+    let own = body.rows(near).ok_or(LinearError::RankFailed)?;
+    let near = columns(&own, &*body, near).map_err(|_| LinearError::PatternChanged)?;
     let shared = SharedStiffness { rows, body, numbering, contacts, entries, near, diagonal, row_norms };
     Ok(Some(Stiffness::Distributed(Arc::new(shared))))
 }

@@ -1,14 +1,14 @@
 //! A Newton system on all ranks: its matrix, the elimination of contact from it, and the solver.
 //!
 //! The matrix is `A = f K + C`, with a stiffness `K` between displacements and all others `C`; rows without an unknown
-//! have a diagonal. Contact is eliminated exactly, node by node: first the held displacements `E r`, then a cycle of
+//! of removed directions have a diagonal alone. Contact is eliminated node by node: first the held displacements `E r`, then a cycle of
 //! algebraic multigrid on the matrix `R A F` between the free displacements, then the reactions `T`,
 //!
 //! ```text
 //! y = E r,   y += F (R A F)⁻¹ R (r - A y),   y += T (r - A y).
 //! ```
 //!
-//! If an exact inverse takes the place of the cycle, this is the inverse of `A`. Multiplied out, with the products of
+//! If an exact inverse takes the place of the cycle, this is the inverse of `A` in the oblique form (`node`). Multiplied out, with the products of
 //! `A` and the matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A
 //! E)`.
 
@@ -18,6 +18,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use stickslip::algebra::linear::{FactorInfo, LinearError};
 
+use crate::expect_length;
 use crate::job::{Job, Own, Remote, Reply};
 use crate::petsc::{self, Cycle, Entries, Exchange, Int, Krylov, Matrix, Vector};
 use crate::rows::Rows;
@@ -60,6 +61,7 @@ pub(crate) struct System {
     stiffness: Option<Arc<Matrix>>,
     factor: f64,
     rest: Matrix,
+    entries_of_rest: usize,
     sum: Option<Matrix>,
     /// The ones of the displacements, and the identity with shares and its transpose.
     ones: Matrix,
@@ -91,6 +93,7 @@ impl System {
             size,
             stiffness: shared.map(|rows| Arc::clone(&rows.matrix)),
             factor: 1.0,
+            entries_of_rest: own.rest.values.len(),
             rest: Matrix::of(size, own.rest)?,
             sum: None,
             ones: with_ones(Entries::default(), setup.displacements)?,
@@ -112,6 +115,7 @@ impl System {
         let kept = self.krylov.take().filter(|_| by == By::Factors && self.cycle.is_none());
         if let Some(factor) = factor {
             self.factor = factor;
+            expect_length("values of the matrix", self.entries_of_rest, own.x[0].len())?;
             self.rest.set(own.x[0])?;
         }
         let is_whole = by == By::Factors || petsc::has(c"-pc_type")?;

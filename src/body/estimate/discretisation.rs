@@ -22,7 +22,7 @@ pub struct DiscretisationError {
     /// The error of a part of the body, as a share of the energy norm of its solution: of the part where it is largest. Neither
     /// elasticity nor contact connects parts, so that a load on one hides no error of another.
     pub whole: f64,
-    /// The error of each cell, as a share of the energy norm of all parts.
+    /// The error of each cell, as a share of the energy norm of its part.
     pub of_cells: Vec<f64>,
     /// The relative error of the stresses in the root mean square; only for laws with a Poisson's ratio of 0.45 or
     /// more, where pressures may be very inaccurate but contribute little to the energy.
@@ -67,17 +67,19 @@ impl DiscretisationError {
             }
             squares.push(square);
         }
-        let all = 2.0 * strains.energies.iter().sum::<f64>() + squares.iter().sum::<f64>();
-        let share = |square: f64| (square / all).sqrt();
-        let of_part = |cells: Vec<usize>| {
+        let (mut whole, mut of_cells) = (None, vec![0.0; squares.len()]);
+        for cells in strains.parts() {
             let square = sum(&cells, &squares);
-            (square / (2.0 * sum(&cells, &strains.energies) + square)).sqrt()
-        };
-        let whole = strains.parts().into_iter().map(of_part).fold(0.0, f64::max);
-        (all > 0.0).then(|| DiscretisationError {
+            let energy = 2.0 * sum(&cells, &strains.energies) + square;
+            if energy > 0.0 {
+                whole = Some((square / energy).sqrt().max(whole.unwrap_or(0.0)));
+                cells.into_iter().for_each(|e| of_cells[e] = (squares[e] / energy).sqrt());
+            }
+        }
+        Some(DiscretisationError {
+            whole: whole?,
+            of_cells,
             square: squares.iter().sum(),
-            whole,
-            of_cells: squares.into_iter().map(share).collect(),
             stresses: (stresses[1] > 0.0).then(|| (stresses[0] / stresses[1]).sqrt()),
         })
     }

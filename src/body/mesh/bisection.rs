@@ -1,5 +1,5 @@
-//! Refinement of triangles and tetrahedra by bisection: the meshes are nested and conform, and their angles stay above a
-//! bound that depends on the first mesh alone.
+//! Refinement of triangles and tetrahedra by bisection: the meshes conform. Where edges are straight, they are nested, and
+//! their angles stay above a bound that depends on the first mesh alone.
 //!
 //! Each cell has an edge at whose middle it is divided. In a triangle it is the edge opposite the newest corner; in a
 //! tetrahedron it is one of the edges that are marked in its sides, of which each child inherits one (Arnold, Mukherjee and

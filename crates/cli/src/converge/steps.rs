@@ -74,8 +74,10 @@ pub struct Step {
 pub struct Errors {
     /// The limit for ever finer meshes.
     pub mesh: Option<Limit>,
-    /// The limit for ever more increments; `None` if the value does not depend on them.
+    /// The limit for ever more increments; `None` if the value does not depend on them, or they were not refined.
     pub increments: Option<Limit>,
+    /// `true` if the value depends on the increments.
+    pub follows_path: bool,
     /// The error by rounding to whole elements.
     pub rounding: f64,
     /// The value of the last run.
@@ -88,9 +90,11 @@ impl Errors {
         self.share(self.mesh?.uncertainty.max(self.rounding))
     }
 
-    /// Returns the uncertainty of the increments as a share of the value; 0 if it does not depend on them.
+    /// Returns the uncertainty of the increments as a share of the value; 0 if it does not depend on them, `None` if it is
+    /// unknown.
     pub fn of_increments(&self) -> Option<f64> {
-        self.increments.map_or(Some(0.0), |limit| self.share(limit.uncertainty))
+        let unknown = if self.follows_path { None } else { Some(0.0) };
+        self.increments.map_or(unknown, |limit| self.share(limit.uncertainty))
     }
 
     /// Returns the uncertainty of the value as a share.
@@ -247,7 +251,8 @@ fn errors(steps: &[Step]) -> Option<Errors> {
         limit(&sizes, &values)
     };
     let increments = if last.follows_path { of(false, false) } else { None };
-    Some(Errors { mesh: of(true, true), increments, rounding: last.rounding, value })
+    let mesh = of(true, true);
+    Some(Errors { mesh, increments, follows_path: last.follows_path, rounding: last.rounding, value })
 }
 
 fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
@@ -276,7 +281,7 @@ fn grows(steps: &[Step]) -> bool {
         })
 }
 
-/// Returns `true` if the peak goes up and down by much on ever finer meshes, as elements of second order let it at a sharp
+/// Returns `true` if the changes of the peak do not fall on ever finer meshes, as elements of second order let it at a sharp
 /// edge. Where no mesh has enough nodes across, the contact is only narrow.
 fn is_erratic(steps: &[Step]) -> bool {
     let Series { values, steps: at, .. } = series(steps, true, false);

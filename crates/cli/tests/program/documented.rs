@@ -68,3 +68,21 @@ fn gmsh_is_told_to_make_a_mesh() {
         said.collect::<Vec<_>>()
     );
 }
+
+/// What is promised is run.
+#[test]
+fn commands_of_the_makefile_have_a_verdict() {
+    let proved = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../doc/method/proved.md")).unwrap();
+    let mut count = 0;
+    for (page, text) in pages() {
+        let spans = text.split('`').skip(1).step_by(2);
+        let commands = text.lines().chain(spans).filter_map(|line| line.strip_prefix("make "));
+        for command in commands.filter_map(|line| line.split([' ', '`']).next()) {
+            // A part of another command, or the command that writes the table.
+            let part = ["book", "wheel", "compare", "everything"].contains(&command);
+            assert!(part || proved.contains(&format!("\n| `make {command}` |")), "{}: make {command}", page.display());
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count}");
+}

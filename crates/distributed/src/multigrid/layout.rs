@@ -145,7 +145,7 @@ impl Layout {
                 (4, all, all, ONE),
             ] {
                 for (i, j) in (0..9).map(|k| (k / 3, k % 3)) {
-                    // There are no forces between the free displacements. Their blocks are full, as all others.
+                    // The last matrix couples displacements alone. Multigrid needs full blocks of nodes.
                     if let (Some(row), Some(column), true) = (rows[i], columns[j], to == 4 || m[i][j] != 0.0) {
                         contact[to].push(row, column, m[i][j]);
                     }
@@ -161,7 +161,8 @@ impl Layout {
         for (row, column, value) in matrix.rest().entries() {
             entries.push(self.places[row], self.places[column], value);
         }
-        let largest = (0..self.displacements.min(matrix.order())).map(|k| matrix.get(k, k)).fold(0.0, f64::max);
+        let displacements = self.places.iter().filter(|place| (**place as usize) < self.displacements).count();
+        let largest = (0..displacements).map(|k| matrix.get(k, k)).fold(0.0, f64::max);
         self.empty.iter().for_each(|row| entries.push(*row, *row, if largest > 0.0 { largest } else { 1.0 }));
         entries
     }

@@ -1,4 +1,5 @@
-//! Exact elimination of contact at one node, from the rows of the Newton matrix alone.
+//! Elimination of contact at one node, from the rows of the Newton matrix alone: exact in the oblique form, and without
+//! friction. The symmetric form leaves out the coupling of friction to the normal forces.
 //!
 //! With the displacements `w` and the forces `p` of the node, equilibrium contains `B p`, and the contact rows are
 //! `R w + D p = r`. If `D` is singular, a combination of these rows constrains displacements independently of the

@@ -1,5 +1,5 @@
-//! Singular values of the small matrices of one node, by one-sided Jacobi rotations, which are accurate to all digits
-//! for small ones.
+//! Singular values of the small matrices of one node, by one-sided Jacobi rotations, which keep the digits of small
+//! ones.
 
 /// A matrix of at most three by three; missing entries are 0.
 pub(super) type Small = [[f64; 3]; 3];

@@ -21,18 +21,19 @@ static STARTED: OnceLock<Result<(), LinearError>> = OnceLock::new();
 /// The options that PETSc has: all its solvers have them in common.
 static PRESENT: Mutex<String> = Mutex::new(String::new());
 
-/// Starts PETSc, once, and replaces the options that it has by these, unless they are empty or equal. All ranks must
-/// call it, with the same ones.
+/// Starts PETSc, once, and replaces the options that it has by those of the environment and these, unless these are
+/// empty or equal. All ranks must call it, with the same ones.
 pub(crate) fn start(options: &str) -> Result<(), LinearError> {
     STARTED.get_or_init(first).clone()?;
-    let text = CString::new(options).unwrap_or_default();
+    let environment = std::env::var("PETSC_OPTIONS").unwrap_or_default();
+    let text = CString::new(format!("{environment} {options}")).unwrap_or_default();
     let mut present = PRESENT.lock().unwrap_or_else(PoisonError::into_inner);
-    if text.is_empty() || *present == options {
+    if options.is_empty() || *present == options {
         return Ok(());
     }
-    *present = options.to_string();
     call!(OPTIONS, PetscOptionsClear(ptr::null_mut()))?;
     call!(OPTIONS, PetscOptionsInsertString(ptr::null_mut(), text.as_ptr()))?;
+    *present = options.to_string();
     if has(c"-log_view")? { call!(OPTIONS, PetscLogDefaultBegin()) } else { Ok(()) }
 }
 

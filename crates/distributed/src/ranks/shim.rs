@@ -56,7 +56,7 @@ impl World {
 
     /// Ends MPI.
     pub(super) fn end(self) {
-        // SAFETY: every MPI call needs a `World`, and this was the only one.
+        // SAFETY: MPI runs as long as there is a `World`, and this was the only one; no call comes after.
         unsafe { sys::mpi_shim_end() };
     }
 
