@@ -48,7 +48,7 @@ pub(super) struct Tables {
     boundaries: Vec<(String, String)>,
     /// The probes, each with its table.
     probes: Vec<(ProbeTable, Table)>,
-    /// The body for the page, in the plane, and its states.
+    /// The body for the page, and its states.
     view: Option<View>,
     states: Table,
     /// The lists of the report that grow with the increments.
@@ -218,7 +218,7 @@ impl ResultFolder {
         self.draw(&format!("deformed_{:04}.svg", body.index), body.to_svg(title))
     }
 
-    /// Adds the state of a body in the plane at the end of `step`, for the page.
+    /// Adds the state of the body at the end of `step`, for the page.
     ///
     /// # Errors
     /// When the disk refuses.

@@ -3,10 +3,12 @@ const title = report.title || "Results of a run that did not end";
 document.title = `${title} – stickslip`;
 $(".program").textContent = ended ? `stickslip ${report.program_version} · ${report.scene || ""}` : "stickslip";
 $("h1").textContent = title;
-const verdict = $(".verdict"), converged = [...times.keys()].filter((index) => !failed.has(index)).length;
-verdict.textContent = ended ? `${report.status}, ${report.totals.converged} increments converged` : `unfinished, ${converged} increments converged so far`;
-verdict.classList.add(report.status === "converged" ? "good" : "bad");
+const converged = [...times.keys()].filter((index) => !failed.has(index)).length, isGood = report.status === "converged";
 $(".reason").textContent = report.reason || (ended ? "" : "run.json is missing: the run still goes on, or was killed. `stickslip run` with --resume ends it. Verdict, warnings and errors come with its end.");
+// Keeps a number and its unit in one line.
+const close = (text) => text.replace(/ (s|%|=)(?=[ .;,]|$)/g, "\u00a0$1").replaceAll("= ", "=\u00a0");
+// Fills an element with a text whose names are between backquotes.
+const inCode = (node, text) => { text.split("`").forEach((part, k) => node.append(k % 2 ? element("code", part) : part)); return node; };
 
 // The key results: value, place and time, and what mesh and time steps may have spoiled.
 const { largest_pressure: peak, largest_force: force, holding_force: held, friction, stick_zone: stick, largest_displacement: moved } = report;
@@ -25,20 +27,49 @@ const keyRow = (...cells) => {
   }));
   $("#results tbody").append(row);
 };
-if (peak && peak.pressure) {
-  const singular = peak.singular ?? (report.warnings || []).some(({ kind }) => kind === "singular-edge");
-  const across = peak.nodes_across ? `, ${peak.nodes_across} nodes across` : "";
-  keyRow("largest pressure", rounded(peak.pressure, STRESS), `${peak.boundary}, ${placeOf(peak.position)}, t = ${plain(peak.time)} s`,
-    (singular ? "singular: it depends on the mesh" : about(peak.mesh_error)) + across, "");
+// The friction of each contact that is in use, the largest share first.
+const uses = [...(report.friction_use || [])].sort((a, b) => b.largest - a.largest);
+const AT_THE_END = { open: "nothing touches", stick: "it sticks", partial: "it slips in part", whole: "it slips as a whole" };
+function slipOf({ slips_from: some, slips_wholly_from: all, end }) {
+  if (some == null) return "no node slips";
+  if (all == null) return `some nodes slip from t = ${plain(some)} s, never all`;
+  return `${some < all ? `some nodes slip from t = ${plain(some)} s, all` : "all nodes slip"} from t = ${plain(all)} s; at the end ${AT_THE_END[end]}`;
 }
+const slips = uses[0] ? ` On \`${uses[0].boundary}\` ${slipOf(uses[0])}.` : "";
+const others = uses.length > 1 ? ` ${uses.length - 1} more ${uses.length > 2 ? "contacts" : "contact"} below.` : "";
+inCode($(".verdict"), close((!ended ? `Unfinished, ${converged} increments converged so far.` : isGood ? `Converged in all ${report.totals.converged} increments.`
+  : `Not converged: ${report.status} after ${report.totals.converged} increments.`) + slips + others));
+$(".verdict").classList.add(isGood ? "good" : "bad");
+
+// The numbers of the job. A pressure that depends on the mesh is the last and the least of them.
+const singular = peak && (peak.singular ?? (report.warnings || []).some(({ kind }) => kind === "singular-edge"));
+const ofPeak = peak && (singular ? "singular: it depends on the mesh" : `error of the mesh ${about(peak.mesh_error)}`);
 const ofMesh = ({ given, mesh_error }) => (given ? "loads alone determine it" : about(mesh_error));
+const told = ({ given, mesh_error }) => (given ? ofMesh({ given }) : `error of the mesh ${about(mesh_error)}`);
+const numbers = [
+  force && ["largest contact force", rounded(force.magnitude, FORCE), told(force), force],
+  uses[0] && ["friction in use", percent(uses[0].largest), uses[0].slips_from == null ? "no node slips" : `slip begins at t = ${plain(uses[0].slips_from)} s`, uses[0]],
+  peak && peak.pressure && ["largest pressure", rounded(peak.pressure, STRESS), ofPeak, peak, singular],
+  !uses[0] && moved && ["largest displacement", rounded(moved.length, LENGTH), "", moved],
+].filter(Boolean).slice(0, 3);
+for (const [name, value, error, { boundary, time }, isWeak] of numbers) {
+  const box = element("div");
+  box.append(element("span", name), element("b", value, isWeak ? "weak" : ""), element("span", close(error)), element("span", close(`${boundary ? `${boundary}, ` : ""}t = ${plain(time)} s`), "note"));
+  $("#numbers").append(box);
+}
 if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   ofMesh(force), "");
 if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), ofSteps(held.time_error));
+for (const of of uses) keyRow("friction in use", percent(of.largest), `${of.boundary}, t = ${plain(of.time)} s: ${slipOf(of)}`, "", "");
 if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", "unknown",
   ofSteps(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
 if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");
+if (peak && peak.pressure) {
+  const across = peak.nodes_across ? `, ${peak.nodes_across} nodes across` : "";
+  keyRow("largest pressure", rounded(peak.pressure, STRESS), `${peak.boundary}, ${placeOf(peak.position)}, t = ${plain(peak.time)} s`, ofPeak.replace("error of the mesh ", "") + across, "");
+  if (singular) $("#results tbody tr:last-child").className = "weak";
+}
 const remarks = [
   estimates.discretisation == null ? "" : `Error of the mesh in the energy norm: about ${percent(estimates.discretisation)}.`,
   ended ? `Computed in ${plain(report.totals.wall_seconds, 3)} s by ${report.method} with ${report.solver}; largest error of any law ${Math.max(...Object.values(report.totals.kkt)).toExponential(1)}.` : "",
@@ -46,12 +77,14 @@ const remarks = [
 $("#results .note").textContent = remarks.join(" ").trim();
 $("#results").hidden = !ended;
 
+// A line for each warning; its cure, the last part of the message, unfolds.
 for (const { kind, message } of report.warnings || []) {
-  const item = element("li");
-  item.append(element("code", kind), " ");
-  message.split("`").forEach((part, k) => item.append(k % 2 ? element("code", part) : part));
-  $("#warnings ol").append(item);
+  const fold = element("details"), cut = message.lastIndexOf("; "), line = element("summary");
+  line.append(element("code", kind), " ");
+  fold.append(inCode(line, cut < 0 ? message : message.slice(0, cut)), inCode(element("p"), cut < 0 ? "" : message.slice(cut + 2)));
+  $("#warnings").append(fold);
 }
+addEventListener("beforeprint", () => document.querySelectorAll("#warnings details").forEach((fold) => { fold.open = true; }));
 $("#warnings").hidden = !(report.warnings || []).length;
 
 $("#scene pre").textContent = report.scene_text || "";

@@ -2,6 +2,7 @@
 function table(section, head, rows) {
   const box = element("div", "", "table"), sheet = element("table"), top = sheet.createTHead().insertRow(), body = sheet.createTBody();
   let order = 1;
+  sheet.style.setProperty("--columns", head.length);
   const fill = () => body.replaceChildren(...rows.map((row) => {
     const line = element("tr");
     line.append(...row.map((cell) => element("td", typeof cell === "number" ? plain(cell, 6) : cell, typeof cell === "number" ? "" : "word")));
