@@ -129,7 +129,10 @@ impl Run<'_> {
         let unsuited = fell_back(&outcome.linear, model, method);
         let asked = self.choice.linear.iterates();
         warnings.extend(Warning::of_multigrid(&outcome.linear, asked, &linear, unsuited.as_deref()));
-        warnings.extend(Warning::of_ranks(model, self.choice.linear, totals.ranks.len()));
+        // Rank 0 alone refines a mesh.
+        if self.coarser_meshes().is_empty() {
+            warnings.extend(Warning::of_ranks(model, self.choice.linear, totals.ranks.len()));
+        }
         RunReport {
             schema_version: SCHEMA_VERSION,
             program_version: env!("CARGO_PKG_VERSION"),

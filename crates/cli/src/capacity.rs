@@ -7,6 +7,7 @@
 use serde_json::{Value, json};
 
 use stickslip::base::within;
+use stickslip::body::Against;
 use stickslip::run::report::{JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
@@ -79,6 +80,25 @@ fn extend(scene: &mut Scene, load: usize) -> Result<f64, String> {
     // What grows until the end by default, or goes on after it, stays as it is at the end.
     description.loads.iter_mut().for_each(|load| load.history = Some(within(end, &load.factors(end))));
     description.supports.iter_mut().for_each(|support| support.history = Some(within(end, &support.factors(end))));
+    for contact in &mut description.contacts {
+        let stay =
+            |points: &mut Option<Vec<[f64; 2]>>| points.iter_mut().for_each(|points| *points = within(end, points));
+        stay(&mut contact.friction_history);
+        let Against::Obstacles(obstacles) = &mut contact.against else { continue };
+        for obstacle in obstacles {
+            stay(&mut obstacle.approach);
+            obstacle.rotation.iter_mut().for_each(|rotation| rotation.history = within(end, &rotation.history));
+            if let Some(points) = &mut obstacle.translation {
+                let is_plane = points.iter().all(|(_, at)| at.dimension() == 2);
+                let all = points.iter().map(|(t, at)| (*t, at.components())).map(|(t, [x, y, z])| [t, x, y, z]);
+                let vector = |[x, y, z]: [f64; 3]| if is_plane { [x, y].into() } else { [x, y, z].into() };
+                *points = within(end, &all.collect::<Vec<_>>())
+                    .into_iter()
+                    .map(|[t, x, y, z]| (t, vector([x, y, z])))
+                    .collect();
+            }
+        }
+    }
     description.pretensions.iter_mut().for_each(|given| given.history = Some(within(end, &given.factors(end))));
     points.extend((0..=DOUBLINGS).map(|k| [end + f64::from(k * INCREMENTS) * step, last * f64::from(1 << k)]));
     description.loads[load].history = Some(points);

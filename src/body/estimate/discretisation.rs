@@ -73,7 +73,9 @@ impl DiscretisationError {
             let energy = 2.0 * sum(&cells, &strains.energies) + square;
             if energy > 0.0 {
                 whole = Some((square / energy).sqrt().max(whole.unwrap_or(0.0)));
-                cells.into_iter().for_each(|e| of_cells[e] = (squares[e] / energy).sqrt());
+                for e in cells {
+                    of_cells[e] = (squares[e] / energy).sqrt();
+                }
             }
         }
         Some(DiscretisationError {

@@ -1,6 +1,6 @@
 //! The balance of all forces on a body: loads, supports, springs and contact.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
 
 use super::Model;
@@ -11,7 +11,7 @@ use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::body::constraints::{Dofs, HeldRows};
 use crate::body::contact::{ContactNode, Facing, Term};
 use crate::body::description::{Coupling, Description};
-use crate::body::fem::{NodalForces, Spring};
+use crate::body::fem::{NodalForces, Spring, facet_weights};
 use crate::body::mesh::{Geometry, Mesh};
 use crate::solver::problem::error::expect_length;
 use crate::solver::problem::{ProblemError, State};
@@ -100,8 +100,8 @@ pub(super) struct Statics {
     shares: Vec<Vec<(usize, [[f64; 3]; 3])>>,
     springs: Vec<Vec<Spring>>,
     loads: Vec<UnitLoad>,
-    /// The nodes of each support, spring or foundation, and load.
-    nodes: [Vec<Vec<usize>>; 3],
+    /// The nodes of each support, spring or foundation, and load, with their shares in its area.
+    nodes: [Vec<Vec<(usize, f64)>>; 3],
     /// For each motion of supports, the forces of springs (N) on the nodes due to its rigid offset at factor 1.
     on_springs: Vec<NodalForces>,
 }
@@ -116,6 +116,24 @@ struct UnitLoad {
     at_nodes: NodalForces,
     /// The stress-free strain, if it is thermal.
     free_strain: Option<FreeStrain>,
+}
+
+/// Returns the translating `nodes` with their shares in the area of the facets between them, or equal ones if some are on
+/// no such facet.
+fn shares_of_area(mesh: &Mesh, dofs: &Dofs, nodes: Vec<usize>) -> Vec<(usize, f64)> {
+    let mut shares: BTreeMap<usize, f64> = nodes.into_iter().map(|node| (dofs.translating(node), 0.0)).collect();
+    let facets = mesh.boundaries.iter().flat_map(|boundary| &boundary.facets);
+    let between = facets.filter(|facet| facet.iter().all(|node| shares.contains_key(node)));
+    let facets: BTreeMap<BTreeSet<usize>, _> = between.map(|facet| (facet.iter().copied().collect(), facet)).collect();
+    let is_surface = facets.keys().flatten().collect::<BTreeSet<_>>().len() == shares.len();
+    for facet in facets.values().filter(|_| is_surface) {
+        for (node, weight) in facet.iter().zip(facet_weights(mesh, facet)) {
+            *shares.entry(*node).or_default() += weight;
+        }
+    }
+    let whole: f64 = shares.values().sum();
+    let equal = 1.0 / shares.len() as f64;
+    shares.into_iter().map(|(node, share)| (node, if whole > 0.0 { share / whole } else { equal })).collect()
 }
 
 impl Statics {
@@ -145,18 +163,12 @@ impl Statics {
         let of_supports = |share: &Vec<(usize, _)>| share.iter().map(|(node, _)| *node).collect();
         let of_springs = |springs: &Vec<Spring>| springs.iter().flat_map(Spring::nodes).copied().collect();
         let of_loads = |(forces, _): &NodalLoad| forces.iter().map(|(node, _)| *node).collect();
-        let mut nodes: [Vec<Vec<usize>>; 3] = [
+        let nodes: [Vec<Vec<usize>>; 3] = [
             shares.iter().map(of_supports).collect(),
             springs.iter().map(of_springs).collect(),
             loads.iter().map(of_loads).collect(),
         ];
-        for nodes in nodes.iter_mut().flatten() {
-            for node in nodes.iter_mut() {
-                *node = dofs.translating(*node);
-            }
-            nodes.sort_unstable();
-            nodes.dedup();
-        }
+        let nodes = nodes.map(|all| all.into_iter().map(|nodes| shares_of_area(mesh, dofs, nodes)).collect());
         let loads = loads.into_iter().map(acting).collect();
         let on_springs = prescribed.iter().map(|motion| at_nodes(&motion.forces_of_springs(groups, &all))).collect();
         Statics { rows, shares, springs, loads, nodes, on_springs }
@@ -371,14 +383,12 @@ impl Model {
         self.sections(t, state).into_iter().map(|[normal, jump]| dot(normal, jump)).collect()
     }
 
-    /// Returns the mean displacement (m) of the nodes of each support, of each spring or foundation, and of each load at
-    /// time `t` (s) in the `state` at that time.
+    /// Returns the mean displacement (m) over the area of each support, of each spring or foundation, and of each load at
+    /// time `t` (s) in the `state` at that time; over the nodes where there is no area.
     pub(crate) fn mean_displacements(&self, t: f64, state: &State) -> [Vec<[f64; 3]>; 3] {
         let all = self.constraints.displaced(t, &state.u);
-        let mean = |nodes: &Vec<usize>| {
-            let sum = nodes.iter().fold([0.0; 3], |sum, &node| plus(sum, 1.0, all[node]));
-            sum.map(|sum| if nodes.is_empty() { 0.0 } else { sum / nodes.len() as f64 })
-        };
+        let mean =
+            |nodes: &Vec<(usize, f64)>| nodes.iter().fold([0.0; 3], |sum, &(node, share)| plus(sum, share, all[node]));
         self.statics.nodes.each_ref().map(|nodes| nodes.iter().map(mean).collect())
     }
 

@@ -224,12 +224,16 @@ impl EstimateWatch {
 impl Estimates {
     /// Returns the estimate of the contact surface with the largest force.
     pub fn heaviest(&self) -> Option<&ContactEstimate> {
-        self.contact.iter().max_by(|a, b| a.force.total_cmp(&b.force))
+        heaviest(self.contact.iter())
     }
 
     /// Returns the stick zone of the surface with the largest force that has one.
     pub fn stick_zone(&self) -> Option<&StickZone> {
-        let sticking = self.contact.iter().filter(|contact| contact.stick.is_some());
-        sticking.max_by(|a, b| a.force.total_cmp(&b.force)).and_then(|contact| contact.stick.as_ref())
+        heaviest(self.contact.iter().filter(|contact| contact.stick.is_some()))?.stick.as_ref()
     }
+}
+
+/// Returns the surface with the largest force, the first of several equal ones.
+fn heaviest<'a>(all: impl Iterator<Item = &'a ContactEstimate>) -> Option<&'a ContactEstimate> {
+    all.reduce(|so_far, next| if is_as_large(so_far.force, next.force) { so_far } else { next })
 }

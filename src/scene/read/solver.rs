@@ -121,9 +121,12 @@ pub(super) fn solver(given: &SolverTable) -> Result<SolverChoice, InputError> {
 
 /// Returns the options of PETSc, which its solver alone takes.
 pub(super) fn petsc(given: &SolverTable, solver: &SolverChoice) -> Result<String, InputError> {
-    let Some(options) = &given.petsc else { return Ok(String::new()) };
+    let given = given.petsc.as_deref().map(str::trim).filter(|options| !options.is_empty());
+    let Some(options) = given else { return Ok(String::new()) };
+    let help = "write each with a dash: petsc = \"-ksp_monitor\"";
+    ensure(options.starts_with('-'), "solver.petsc", &options, "options of PETSc", help)?;
     if solver.linear == Some(LinearAlgebra::Petsc) && !options.contains('\0') {
-        return Ok(options.trim().to_string());
+        return Ok(options.to_string());
     }
     let help = "add solver.linear = \"petsc\", or leave the options out";
     Err(InputError::new("solver.petsc", "only solver.linear = \"petsc\" takes options of PETSc", help))

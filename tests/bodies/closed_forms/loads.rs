@@ -394,3 +394,30 @@ fn cold_bodies_need_no_expansion() {
         assert!(error.contains("a load needs the expansion of the group `cold`"), "{needed}: {error}");
     }
 }
+
+/// The mean displacement is that over the side, however its nodes are distributed.
+#[test]
+fn mean_displacements_do_not_depend_on_the_distribution_of_nodes() {
+    for grading in [1.0, 8.0] {
+        let mesh = MeshSource::segmented(
+            &[vec![2.0], vec![1.0]],
+            &[vec![4], vec![6]],
+            Some(&[vec![1.0], vec![grading]]),
+            None,
+        );
+        let pull = Action::Traction { boundary: "right".to_string(), traction: vec![formula("2e6"), formula("0")] };
+        let bar = Description::new(mesh.unwrap(), Material::new(YOUNG, NU).in_plane(Plane::Stress), vec![1.0])
+            .support("left", &[Axis::X])
+            .support("bottom", &[Axis::Y])
+            .load(pull.into());
+        let record = solved(&bar).report.reactions.pop().unwrap();
+        for (displacement, exact) in [
+            (&record.loads[0].displacement, [2.0 * 2e6 / YOUNG, -0.5 * NU * 2e6 / YOUNG]),
+            (&record.supports[0].displacement, [0.0, -0.5 * NU * 2e6 / YOUNG]),
+            (&record.supports[1].displacement, [2e6 / YOUNG, 0.0]),
+        ] {
+            let off = displacement.iter().zip(exact).map(|(found, exact)| (found - exact).abs()).fold(0.0, f64::max);
+            assert!(off < 1e-12 * 2e6 / YOUNG, "{grading}: {displacement:?}, not {exact:?}");
+        }
+    }
+}

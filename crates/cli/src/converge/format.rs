@@ -154,7 +154,11 @@ impl Convergence {
         let so_far = self.known().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
         let total = self.result.errors.as_ref().and_then(Errors::total);
         let by_few = total.is_some_and(|total| total <= self.to);
-        let short = if by_few { ", but by too few meshes".to_string() } else { format!(", not {asked}") };
+        let short = match total {
+            None => String::new(),
+            Some(_) if by_few => ", but by too few meshes".to_string(),
+            Some(_) => format!(", not {asked}"),
+        };
         match self.result.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
             Verdict::Warned => format!(

@@ -1,7 +1,7 @@
 //! Quantities whose convergence is asked for: what a run tells of how well its mesh resolves them.
 
 use serde_json::Value;
-use stickslip::run::report::RunReport;
+use stickslip::run::report::{RunReport, WarningKind};
 
 use crate::study::{KEY_RESULTS, TableQuantity};
 
@@ -31,6 +31,7 @@ impl TableQuantity {
                 let across = report.largest_pressure.as_ref().and_then(|largest| largest.nodes_across);
                 across.is_none_or(|across| across >= FINE_FOR_PEAK)
             }
+            "friction_work" => !report.warnings.iter().any(|warning| warning.kind == WarningKind::SLIP_ZONE_COARSE),
             "stick_ratio" => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
             _ => true,
         }

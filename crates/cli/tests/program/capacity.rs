@@ -75,3 +75,18 @@ fn capacities_are_those_of_closed_forms() {
         assert!(status == Some(2) && error.to_string().contains(message), "{error}");
     }
 }
+
+/// What the histories do after the end of the scene does not count.
+#[test]
+fn friction_and_obstacles_stay_as_they_are_at_the_end() {
+    let text = scene("[2, 1]", "[8, 4]", "{ kind = \"plane\" }", ["force = [0, -1000]", "force = [100, 0]"], "");
+    for later in [
+        "contact.friction_history=[[0,1],[2,1],[4,0.5]]",
+        "contact.obstacle.approach=[[0,0],[2,0],[4,0.1]]",
+        "contact.obstacle.motion.translation=[[2,0,0],[4,0.1,0]]",
+    ] {
+        let (_, found) = capacity(&text, 1, &["--set", later]);
+        let [holds, slips] = [0, 1].map(|k| found["between"][k].as_f64().unwrap_or(f64::NAN));
+        assert!(holds <= 3.003 && slips >= 2.997 && slips / holds < 1.003, "{later}: {found}");
+    }
+}

@@ -50,7 +50,8 @@ fn print_set_up(scene: &Scene, run: &Run<'_>) {
     if let Some(asked) = scene.refine {
         let (nodes, times) = (model.mesh.nodes.len(), run.coarser_meshes().len());
         let how = run.coarser_meshes().first().map_or(format!("not refined: {nodes} nodes are enough"), |first| {
-            format!("refined {times} times, from {} to {nodes} nodes,", first.nodes)
+            let times = if times == 1 { "once".to_string() } else { format!("{times} times") };
+            format!("refined {times}, from {} to {nodes} nodes,", first.nodes)
         });
         row!("mesh         {how} for an error of {} %", six_digits(100.0 * asked));
     }
