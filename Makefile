@@ -154,7 +154,9 @@ book: $(BOOK_TOOLS)
 	@echo "the site is in target/book/index.html"
 
 # CHROMIUM names a browser that is installed elsewhere.
-book-test: book $(BOOK_TEST_TOOLS)
+# The pages of runs are made by the program.
+book-test: book deps $(BOOK_TEST_TOOLS)
+	cargo build -p stickslip-cli --quiet
 	@[ -n "$$CHROMIUM" ] || command -v chromium >/dev/null || { $(INSTALL) chromium; }
 	target/book-tools/bin/python -m pytest -q -rs -p no:cacheprovider doc/site
 
