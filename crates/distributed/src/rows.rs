@@ -13,7 +13,8 @@ use crate::ranks::shim::{World, broadcast};
 pub(crate) use numbering::Numbering;
 
 /// The rows of one rank: all directions of its nodes. In a direction that supports have removed from a node they have
-/// the node's largest entry on the diagonal, and zeros elsewhere, so that all blocks have one shape. The last rank has empty rows for contact forces besides.
+/// the node's largest entry on the diagonal, and zeros elsewhere, so that all blocks have one shape. The last rank has
+/// empty rows for contact forces besides.
 pub(crate) struct Rows {
     pub matrix: Arc<Matrix>,
     exchange: Exchange,

@@ -1,16 +1,16 @@
 //! A Newton system on all ranks: its matrix, the elimination of contact from it, and the solver.
 //!
-//! The matrix is `A = f K + C`, with a stiffness `K` between displacements and all others `C`; rows without an unknown
-//! of removed directions have a diagonal alone. Contact is eliminated node by node: first the held displacements `E r`, then a cycle of
-//! algebraic multigrid on the matrix `R A F` between the free displacements, then the reactions `T`,
+//! The matrix is `A = f K + C`, with a stiffness `K` between displacements and all others `C`; rows of
+//! removed directions have a diagonal alone. Contact is eliminated node by node: first the held displacements `E r`,
+//! then a cycle of algebraic multigrid on the matrix `R A F` between the free displacements, then the reactions `T`,
 //!
 //! ```text
 //! y = E r,   y += F (R A F)⁻¹ R (r - A y),   y += T (r - A y).
 //! ```
 //!
-//! If an exact inverse takes the place of the cycle, this is the inverse of `A` in the oblique form (`node`). Multiplied out, with the products of
-//! `A` and the matrices of contact, which have few entries, it is `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A
-//! E)`.
+//! If an exact inverse takes the place of the cycle, this is the inverse of `A` in the oblique form (`node`). Multiplied
+//! out, with the products of `A` and the matrices of contact, which have few entries, it is
+//! `(E + T - T A E) + (F - T A F) (R A F)⁻¹ (R - R A E)`.
 
 use std::ffi::CString;
 use std::sync::Arc;
@@ -158,7 +158,7 @@ impl System {
         let (freed, sweeping) = (freed?, sweeping?);
         let [mut held, mut reactions] = [held?, reactions?];
         let [mut free, mut swept] = [ones.copy()?.plus(1.0, &freed)?, ones.copy()?.plus(1.0, &sweeping)?];
-        // With a shared stiffness, no displacement contains others.
+        // Displacements contain others only without a shared stiffness.
         if self.stiffness.is_none() {
             [held, free] = [shares.times(&held)?, shares.times(&free)?];
             [reactions, swept] = [reactions.times(back)?, swept.times(back)?];

@@ -76,7 +76,7 @@ fn capacities_are_those_of_closed_forms() {
     }
 }
 
-/// What the histories do after the end of the scene does not count.
+/// Points of histories after the end of the scene do not count.
 #[test]
 fn friction_and_obstacles_stay_as_they_are_at_the_end() {
     let text = scene("[2, 1]", "[8, 4]", "{ kind = \"plane\" }", ["force = [0, -1000]", "force = [100, 0]"], "");

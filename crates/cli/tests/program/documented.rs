@@ -69,7 +69,7 @@ fn gmsh_is_told_to_make_a_mesh() {
     );
 }
 
-/// What is promised is run.
+/// A command that a page promises has a row in the table of runs.
 #[test]
 fn commands_of_the_makefile_have_a_verdict() {
     let proved = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../doc/method/proved.md")).unwrap();

@@ -59,7 +59,7 @@ function spaceView({ x, patches, contact }, canvas, again, tell) {
         const value = !values ? 0 : smooth ? u * values[0] + v * values[1] + w * values[2] : values[u >= v && u >= w ? 0 : v >= w ? 1 : 2];
         const colour = values ? table[Math.round(value)] : GREY;
         const dark = light * (Math.min(u * sides[0], v * sides[1], w * sides[2]) < 0.5 ? 0.75 : 1);
-        // What others hide of the contact shines through.
+        // The part of the contact that others hide shines through.
         const share = nearest === front && z < body[k] - 2 * sharp ? HIDDEN : 1;
         for (let c = 0; c < 3; c++) dots[4 * k + c] = share * dark * colour[c] + (share < 1 ? (1 - share) * dots[4 * k + c] : 0);
         dots[4 * k + 3] = 255;
