@@ -191,7 +191,7 @@ pub(crate) fn fclib<'py>(
     let nothing = State::zero(&model.problem);
     let before = before.map_or(&nothing, |before| &before.state);
     let made = py.detach(|| {
-        let file = export(&model.problem, model.mesh.dimension, &step.data(), &step.state, before, info);
+        let file = export(&model.problem, model.mesh.components(), &step.data(), &step.state, before, info);
         let mut file = file.map_err(|fault| fault.to_string())?;
         if !solved {
             file.solution = None;

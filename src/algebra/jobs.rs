@@ -2,7 +2,6 @@
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 
 use rayon::ThreadPoolBuilder;
@@ -21,28 +20,26 @@ pub fn parallel_map<T: Sync, R: Send, E: Send>(
     work: impl Fn(&T) -> Result<R, E> + Sync,
 ) -> Result<Vec<R>, E> {
     let next = AtomicUsize::new(0);
-    let done: Mutex<Vec<Option<Result<R, E>>>> = Mutex::new(tasks.iter().map(|_| None).collect());
     let job = || {
         keep_in_this_thread();
+        let mut done = Vec::new();
         loop {
             let index = next.fetch_add(1, Ordering::Relaxed);
-            let Some(task) = tasks.get(index) else { break };
+            let Some(task) = tasks.get(index) else { break done };
             let result = work(task);
             if result.is_err() {
                 next.store(tasks.len(), Ordering::Relaxed);
             }
-            lock(&done)[index] = Some(result);
+            done.push((index, result));
         }
     };
-    thread::scope(|scope| {
+    let mut done: Vec<_> = thread::scope(|scope| {
         let jobs: Vec<_> = (0..jobs.clamp(1, tasks.len().max(1))).map(|_| scope.spawn(job)).collect();
-        for job in jobs {
-            // A panic is passed on unchanged.
-            job.join().unwrap_or_else(|panic| resume_unwind(panic));
-        }
+        // A panic is passed on unchanged.
+        jobs.into_iter().flat_map(|job| job.join().unwrap_or_else(|panic| resume_unwind(panic))).collect()
     });
-    let results = done.into_inner().unwrap_or_else(PoisonError::into_inner);
-    results.into_iter().flatten().collect()
+    done.sort_by_key(|(index, _)| *index);
+    done.into_iter().map(|(_, result)| result).collect()
 }
 
 /// Keeps work that is otherwise shared among threads in the calling thread, for the lifetime of that thread.
@@ -50,10 +47,6 @@ pub fn keep_in_this_thread() {
     // A pool with this thread alone. An error means that the thread is already in a pool.
     let _pool = ThreadPoolBuilder::new().num_threads(1).use_current_thread().build();
     keep_openmp_in_this_thread();
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -25,7 +25,7 @@ use serde::Deserialize;
 use crate::base::formula::Field;
 use crate::base::units::{UnitSystem, Units};
 use crate::body::contact::Obstacle;
-use crate::body::fem::{Element, Material};
+use crate::body::fem::{Element, Material, Plane};
 use crate::body::mesh::MeshSource;
 
 /// One or several elastic bodies with supports, contacts, springs, loads and increments.
@@ -191,7 +191,8 @@ impl Description {
 
     /// Returns the units of the results of a body with `dimension` dimensions.
     pub fn system(&self, dimension: usize) -> UnitSystem {
-        UnitSystem { units: self.units, dimension, depth: self.material.depth(dimension) }
+        let components = if self.material.plane == Some(Plane::Torsion) { 3 } else { dimension };
+        UnitSystem { units: self.units, dimension, components, depth: self.material.depth(dimension) }
     }
 
     /// Returns the end of the history, s; 0 without increments.

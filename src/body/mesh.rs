@@ -163,12 +163,6 @@ impl Mesh {
         let corners = polygon(&mut points.iter().copied().step_by(2));
         [0, 1, 2].map(|c| (4.0 * all[c] - corners[c]) / 3.0)
     }
-
-    /// Formats a point as `(x, y)` or `(x, y, z)`.
-    pub fn format_point(&self, x: [f64; 3]) -> String {
-        let [x, y, z] = x;
-        if self.dimension == 2 { format!("({x}, {y})") } else { format!("({x}, {y}, {z})") }
-    }
 }
 
 impl Boundary {

@@ -46,7 +46,7 @@ pub fn grid(model: &Model) -> Option<Grid> {
         }
         contacts.push(GridContact { node, forces: [layout.p_t(i), layout.p_o(i), Some(layout.p_n(i))] });
     }
-    let dimension = mesh.dimension;
+    let dimension = mesh.components();
     let count = mesh.nodes.len().max(1) as f64;
     let centre = [0, 1, 2].map(|c| mesh.nodes.iter().map(|x| x[c]).sum::<f64>() / count);
     let shifts = (0..dimension).map(|c| dofs.unknowns(|_| axis(c)));

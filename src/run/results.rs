@@ -182,7 +182,7 @@ impl Run<'_> {
     /// contact zones of a few nodes, whose width depends on the mesh, or with a stiffness that several processes share.
     fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
         let Model { problem, .. } = &*self.model;
-        if self.choice.linear.is_shared() || problem.stiffness().distributed().is_some() {
+        if problem.stiffness().distributed().is_some() {
             return Ok(None);
         }
         let Some(nodes) = moment.weights(&self.model) else { return Ok(None) };

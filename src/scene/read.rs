@@ -149,7 +149,7 @@ impl Reader<'_> {
 
     fn in_dimension(self, dimension: usize, quantity: Quantity, x: f64) -> f64 {
         let depth = if dimension == 2 { self.depth } else { Depth::Whole };
-        UnitSystem { units: self.units, dimension, depth }.to_si(quantity, x)
+        UnitSystem { depth, ..UnitSystem::new(self.units, dimension) }.to_si(quantity, x)
     }
 
     fn length(self, x: f64) -> f64 {

@@ -14,4 +14,5 @@ mod published;
 mod refinement;
 mod rubber;
 mod surface_stress;
+mod torsion;
 mod verification;

@@ -131,7 +131,7 @@ fn r_does_not_matter() {
 fn randomise_stiffness(model: &mut Model, decades: f64, random: &mut Random) {
     let young: Vec<f64> =
         model.mesh.cells.iter().map(|_| 210e9 * 10_f64.powf(decades * (random.next() - 0.5))).collect();
-    let material = |element| Elasticity::plane_strain(young[element], 0.3);
+    let material = |element| Elasticity::isotropic(young[element], 0.3);
     let stiffness = assemble(&model.mesh, &model.constraints.dofs, Element::Bilinear, material).unwrap();
     model.problem = common::changed(&model.problem, |parts| parts.stiffness = stiffness.into());
 }

@@ -68,16 +68,16 @@ pub(super) fn event_line(model: &Model, index: usize, event: &Event) -> String {
 
 /// Returns the header of the table of forces, for this number of dimensions, with `several` obstacles in front of a
 /// boundary, and with the rotation of reference points if the scene is `coupled`.
-pub(super) fn forces_header(dimension: usize, several: bool, coupled: bool) -> String {
+pub(super) fn forces_header(components: usize, several: bool, coupled: bool) -> String {
     let obstacle: &[&str] = if several { &["obstacle"] } else { &[] };
-    let [forces, motions] = [force_columns(dimension), &motion_columns(dimension, coupled)];
+    let [forces, motions] = [force_columns(components), &motion_columns(components, coupled)];
     let slip = &["slip_state", "friction_used"];
     csv_line(&[&["index", "time", "boundary"], forces, &["kind", "balance"], obstacle, motions, slip].concat())
 }
 
 /// Returns the columns of force, moment and sums of components.
-fn force_columns(dimension: usize) -> &'static [&'static str] {
-    match dimension {
+fn force_columns(components: usize) -> &'static [&'static str] {
+    match components {
         2 => &["f_x", "f_y", "m_z", "sum_p_n", "sum_p_t"],
         _ => &["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "sum_p_n", "sum_p_t", "sum_p_o"],
     }
@@ -85,9 +85,9 @@ fn force_columns(dimension: usize) -> &'static [&'static str] {
 
 /// Returns the columns of the mean displacement of the nodes of a support, spring or load, and of the rotation of reference
 /// points if the scene is `coupled`.
-fn motion_columns(dimension: usize, coupled: bool) -> Vec<&'static str> {
-    let rotations = &["rotation_x", "rotation_y", "rotation_z"][if dimension == 2 { 2.. } else { 0.. }];
-    [&["u_x", "u_y", "u_z"][..dimension], if coupled { rotations } else { &[] }].concat()
+fn motion_columns(components: usize, coupled: bool) -> Vec<&'static str> {
+    let rotations = &["rotation_x", "rotation_y", "rotation_z"][if components == 2 { 2.. } else { 0.. }];
+    [&["u_x", "u_y", "u_z"][..components], if coupled { rotations } else { &[] }].concat()
 }
 
 /// No obstacle and no slip.
@@ -98,9 +98,9 @@ const NONE: (&str, [String; 2]) = ("", [String::new(), String::new()]);
 pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, units: &UnitSystem) -> String {
     let BalanceRecord { index, time, supports, springs, loads, couplings, pretensions, balance, .. } = balance;
     let several = contact.iter().any(|record| !record.resultant.obstacles.is_empty());
-    let dimension = units.dimension;
-    let forces = Columns::new(units, force_columns(dimension).iter().copied());
-    let motions = Columns::new(units, motion_columns(dimension, !couplings.is_empty()));
+    let components = units.components;
+    let forces = Columns::new(units, force_columns(components).iter().copied());
+    let motions = Columns::new(units, motion_columns(components, !couplings.is_empty()));
     let line = |at: &str,
                 force: &[f64],
                 moment: &[f64],
@@ -110,11 +110,11 @@ pub(super) fn forces_lines(contact: &[ForceRecord], balance: &BalanceRecord, uni
                 (obstacle, slip): (&str, [String; 2])| {
         let padded = |x: &[f64], length: usize| (0..length).map(|k| x.get(k).copied()).collect::<Vec<_>>();
         let mut fields = vec![index.to_string(), csv_number(*time), at.to_string()];
-        let moment = padded(moment, if dimension == 2 { 1 } else { 3 });
+        let moment = padded(moment, if components == 2 { 1 } else { 3 });
         fields.extend(forces.cells(force.iter().copied().map(Some).chain(moment).chain(sums)));
         fields.extend([kind.to_string(), csv_number(*balance)]);
         fields.extend(several.then(|| obstacle.to_string()));
-        fields.extend(motions.cells([padded(moved, dimension), padded(turned, 3)].concat()));
+        fields.extend(motions.cells([padded(moved, components), padded(turned, 3)].concat()));
         fields.extend(slip);
         csv_line(&fields)
     };

@@ -43,6 +43,8 @@ pub struct UnitSystem {
     pub units: Units,
     /// The dimension of the body, 2 or 3.
     pub dimension: usize,
+    /// The number of components of its displacements and forces: the dimension, and 3 with torsion.
+    pub components: usize,
     /// The relation of forces, and of quantities derived from them, to the SI numbers.
     pub depth: Depth,
 }
@@ -93,7 +95,12 @@ impl UnitSystem {
 
     /// Returns a system of these units for a body of this dimension that is not axisymmetric.
     pub fn new(units: Units, dimension: usize) -> Self {
-        UnitSystem { units, dimension, depth: if dimension == 2 { Depth::Unit } else { Depth::Whole } }
+        UnitSystem {
+            units,
+            dimension,
+            components: dimension,
+            depth: if dimension == 2 { Depth::Unit } else { Depth::Whole },
+        }
     }
 
     /// Returns `true` if all numbers are the SI numbers.

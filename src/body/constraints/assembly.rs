@@ -110,7 +110,7 @@ fn assemble_entries(
         }
     })?;
     for volume in volumes.volumes.iter().filter(|volume| !dofs.are_rigid(&volume.nodes)) {
-        add(&volume.nodes, &volume.stiffness(mesh.dimension));
+        add(&volume.nodes, &volume.stiffness(mesh.components()));
     }
     for spring in springs {
         add(spring.nodes(), spring.stiffness());

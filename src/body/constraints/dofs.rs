@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use super::relative::{Coefficient, Relative};
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, plus, unit};
-use crate::body::mesh::{Geometry, Mesh};
+use crate::body::mesh::Mesh;
 
 /// Three orthogonal directions, the axes of the displacement components of a node.
 type Frame = [[f64; 3]; 3];
@@ -23,6 +23,7 @@ type Frame = [[f64; 3]; 3];
 /// turned so that the held directions are axes of the frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Dofs {
+    /// The number of components of a displacement.
     pub(crate) dimension: usize,
     /// The number of nodes of the mesh; the two nodes of each reference point and the node of each jump follow.
     pub(super) of_mesh: usize,
@@ -57,7 +58,7 @@ pub type Tie = Vec<(usize, [f64; 3])>;
 impl Dofs {
     /// Numbers, node by node, all components for which `fixed(node, component)` is `false`.
     pub fn new(mesh: &Mesh, fixed: impl Fn(usize, usize) -> bool) -> Self {
-        let axes = |node: usize| (0..mesh.dimension).filter(|&c| fixed(node, c)).map(axis).collect();
+        let axes = |node: usize| (0..mesh.components()).filter(|&c| fixed(node, c)).map(axis).collect();
         Self::with_points(mesh, Vec::new(), Vec::new(), axes)
     }
 
@@ -65,15 +66,15 @@ impl Dofs {
     /// which follow those of the mesh.
     ///
     /// Each node is held along the directions `held`: unit vectors, in two dimensions in the plane. Dependent directions
-    /// are ignored. Nodes on the axis of a body of revolution are also held along x, and its points and jumps move along
-    /// the axis only.
+    /// are ignored. Nodes on the axis of a body of revolution are also held along x and z, and its points and jumps move
+    /// along the axis and, with torsion, turn about it.
     pub fn with_points(
         mesh: &Mesh,
         points: Vec<ReferencePoint>,
         jumps: Vec<Jump>,
         mut held: impl FnMut(usize) -> Vec<[f64; 3]>,
     ) -> Self {
-        let dimension = mesh.dimension;
+        let dimension = mesh.components();
         let mut dofs = Dofs {
             dimension,
             of_mesh: mesh.nodes.len(),
@@ -90,8 +91,8 @@ impl Dofs {
         for node in 0..dofs.node_of_jump(dofs.jumps.len()) {
             let mut held = held(node);
             let of_mesh = node < dofs.of_mesh;
-            if if of_mesh { mesh.is_on_axis(node) } else { mesh.geometry == Geometry::Axisymmetric } {
-                held.push(axis(0));
+            if if of_mesh { mesh.is_on_axis(node) } else { mesh.geometry.is_revolved() } {
+                held.extend([0, 2].map(axis).into_iter().filter(|n| dimension == 3 || n[2] == 0.0));
             }
             if dimension == 2 && dofs.is_rotation(node) {
                 held.push(axis(1));
@@ -318,7 +319,7 @@ impl Dofs {
     /// Returns the relation that lets point `k` carry `node` of the mesh.
     pub fn carried_by(&self, mesh: &Mesh, k: usize, node: usize) -> Relative {
         let [translation, rotation] = self.nodes_of_point(k);
-        let arm = self.points[k].arm(mesh.dimension, mesh.nodes[node]);
+        let arm = self.points[k].arm(self.dimension, mesh.nodes[node]);
         let others = vec![(translation, Coefficient::Factor(1.0)), (rotation, Coefficient::Matrix(Box::new(arm)))];
         Relative { node, own: 1.0, others, tied: true }
     }

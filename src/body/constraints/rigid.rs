@@ -9,7 +9,7 @@ use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, dot, minus, norm, plus};
 use crate::base::units::{Quantity, UnitSystem};
 use crate::body::fem::Spring;
-use crate::body::mesh::{Bodies, Geometry, Mesh};
+use crate::body::mesh::{Bodies, Mesh};
 
 /// The least share of rotation in a translation that the description of a motion mentions.
 const FAR: f64 = 1e-3;
@@ -19,7 +19,7 @@ const FAR: f64 = 1e-3;
 pub struct RigidMotion {
     /// The motions of the bodies, in the order of [`Mesh::bodies`].
     pub bodies: Vec<BodyMotion>,
-    /// The dimension, 2 or 3.
+    /// The dimension, 2 or 3; with torsion 3.
     pub dimension: usize,
 }
 
@@ -134,7 +134,11 @@ impl RigidMotion {
 
     /// Describes how the bodies slide: "the body slides along (0, 1)", `` `hub` turns about (0, 0) mm``.
     pub fn sliding(&self, units: &UnitSystem) -> String {
-        let verbs = [("a translation along", "slides along"), ("a rotation about", "turns about")];
+        let verbs = [
+            ("a translation along", "slides along"),
+            ("a rotation about", "turns about"),
+            ("a screw motion about", "moves on a screw about"),
+        ];
         let text = self.describe(units);
         let verbal = verbs.iter().fold(text.clone(), |text, (noun, verb)| text.replace(noun, verb));
         match &self.moving()[..] {
@@ -193,15 +197,15 @@ impl Dofs {
         match self.point_of(node) {
             None => motion.at(mesh.nodes[node]),
             Some((point, false)) => motion.at(point.position),
-            Some((point, true)) => point.of_rotation(mesh.dimension, motion.rotation),
+            Some((point, true)) => point.of_rotation(mesh.components(), motion.rotation),
         }
     }
 }
 
 /// Computes the rigid motions of `mesh` that the fixed components of `dofs` leave free.
 ///
-/// A fully supported body has none; a body without supports has three in two dimensions, six in three dimensions, and
-/// one if it is a body of revolution, the translation along its axis. Translations are first, then rotations about one
+/// A fully supported body has none; a body without supports has three in two dimensions, six in three dimensions. A body of
+/// revolution has the translation along its axis and, with torsion, the rotation about it. Translations are first, then rotations about one
 /// coordinate axis each, if there are such; body by body.
 pub fn rigid_motions(mesh: &Mesh, dofs: &Dofs) -> Vec<RigidMotion> {
     unresisted_motions(mesh, dofs, &[], &[])
@@ -248,7 +252,7 @@ pub fn unresisted_motions(mesh: &Mesh, dofs: &Dofs, springs: &[Spring], ties: &[
             for ((k, motion), w) in all.iter().zip(weights) {
                 bodies[*k].add(w, motion);
             }
-            found.push(RigidMotion { bodies, dimension: mesh.dimension });
+            found.push(RigidMotion { bodies, dimension: mesh.components() });
         }
     }
     found
@@ -268,18 +272,16 @@ fn at_rest(motion: &BodyMotion) -> BodyMotion {
 /// Returns all rigid motions of the unsupported body `k`: translations along the axes, then rotations about them.
 fn all_motions(mesh: &Mesh, bodies: &Bodies, k: usize) -> Vec<BodyMotion> {
     let bounds = mesh.bounds_of(bodies.nodes(k));
-    let about = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
+    let middle = bounds.map(|(lo, hi)| 0.5 * (lo + hi));
+    let about = if mesh.geometry.is_revolved() { [0.0, middle[1], 0.0] } else { middle };
     let size = norm(bounds.map(|(lo, hi)| hi - lo));
     let along = |axis: usize, length: f64| [0, 1, 2].map(|c| if c == axis { length } else { 0.0 });
     let name = &bodies.names()[k];
     let unit = |translation, rotation| BodyMotion { name: name.clone(), translation, rotation, about, size };
     // The motions have similar sizes: unit translations, and rotations that move the far corners by about 1/2.
-    if mesh.geometry == Geometry::Axisymmetric {
-        return vec![unit(along(1, 1.0), [0.0; 3])];
-    }
-    let translations = (0..mesh.dimension).map(|axis| unit(along(axis, 1.0), [0.0; 3]));
-    let axes = if mesh.dimension == 2 { 2..3 } else { 0..3 };
-    let rotations = axes.map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));
+    let directions = if mesh.geometry.is_revolved() { 1..2 } else { 0..mesh.dimension };
+    let translations = directions.map(|axis| unit(along(axis, 1.0), [0.0; 3]));
+    let rotations = mesh.rotation_axes().map(|axis| unit([0.0; 3], along(axis, 1.0 / size)));
     translations.chain(rotations).collect()
 }
 

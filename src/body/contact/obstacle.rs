@@ -9,7 +9,7 @@ use super::surface::{SolidCone, Surface};
 use super::tree::Bounds;
 use super::triangles::{Chords, SurfaceError, Triangles};
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
-use crate::body::mesh::{Boundary, Geometry, Mesh};
+use crate::body::mesh::{Boundary, Mesh};
 
 /// An obstacle in front of a boundary. Since displacements are small, gaps are measured once, in the undeformed state.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,7 +94,7 @@ impl PlacedObstacle {
             (Some(axis), _) => Ok(axis),
         };
         let round = |radius: f64, place: Place, axis| Surface::Round { radius, apex: place.apex(radius, normal), axis };
-        if mesh.geometry == Geometry::Axisymmetric {
+        if mesh.geometry.is_revolved() {
             moves_along_axis(given, normal)?;
         }
         // Shapes of three dimensions, each with `true` if it is about the axis of a body of revolution.
@@ -104,9 +104,9 @@ impl PlacedObstacle {
             Shape::Cone { apex, axis, .. } => Some(("cone", is_about_axis(apex, along(axis).unwrap_or(normal)))),
             _ => None,
         };
-        match (in_space, mesh.geometry) {
-            (Some((shape, false)), Geometry::Axisymmetric) => return Err(ObstacleError::OffAxis(shape)),
-            (Some(_), Geometry::Axisymmetric) => {}
+        match (in_space, mesh.geometry.is_revolved()) {
+            (Some((shape, false)), true) => return Err(ObstacleError::OffAxis(shape)),
+            (Some(_), true) => {}
             (Some((shape, _)), _) if mesh.dimension == 2 => return Err(ObstacleError::OnlyInSpace(shape)),
             _ if mesh.dimension == 2 && matches!(given.shape, Shape::Surface { .. }) => {
                 return Err(ObstacleError::OnlyInSpace("surface"));

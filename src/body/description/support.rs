@@ -65,15 +65,6 @@ impl Support {
         Support { at: Where::Point(point.into()), ..self }
     }
 
-    /// Applies the support to the reference point of a coupling; `axes` are the axes of the rotations that it fixes at zero
-    /// in addition to the displacements.
-    #[must_use]
-    pub fn of_coupling(mut self, name: &str, axes: &[Axis]) -> Self {
-        let rotations = axes.iter().map(|axis| Held { direction: Direction::Rotation(*axis), displacement: 0.0 });
-        self.held.extend(rotations);
-        Support { at: Where::Coupling(name.to_string()), ..self }
-    }
-
     /// Sets the displacements (m), one for each direction, from the beginning to the end.
     #[must_use]
     pub fn moved(mut self, displacements: &[f64]) -> Self {

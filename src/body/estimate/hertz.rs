@@ -8,7 +8,6 @@ use serde::Serialize;
 use crate::algebra::vector::{cross, dot, norm};
 use crate::body::contact::Round;
 use crate::body::fem::Elasticity;
-use crate::body::mesh::Geometry;
 use crate::body::model::Model;
 
 /// The Hertz contact of a rigid cylinder or sphere with a half-space.
@@ -47,7 +46,7 @@ impl HertzContact {
         let nodes: Vec<usize> = closed.iter().copied().filter(|&i| assigned(i) == Some(obstacle)).collect();
         let force: f64 = nodes.iter().map(|&i| p_n[i]).sum();
         let modulus = modulus(model, model.contact.nodes[peak].node)?;
-        if model.mesh.geometry == Geometry::Axisymmetric {
+        if model.mesh.geometry.is_revolved() {
             // The force is that of the full circumference. Hertz's solution does not apply to a ring of contact.
             let on_axis =
                 centre[0].abs() <= SAME * radius && nodes.iter().any(|&i| model.contact.nodes[i].position[0] == 0.0);

@@ -182,7 +182,7 @@ fn strain_at<const D: usize>(
     let (mut j, mut h) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
     for ((slope, x), u) in point.slopes.iter().zip(nodes).zip(moved) {
         for r in 0..D {
-            for c in 0..D {
+            for c in 0..3 {
                 j[r][c] += slope[r] * x[c];
                 h[r][c] += slope[r] * u[c];
             }
@@ -205,10 +205,11 @@ fn strain_at<const D: usize>(
     if geometry == Geometry::Cartesian {
         return (area, strain);
     }
-    let aside = |of: &[[f64; 3]]| point.shape.iter().zip(of).map(|(n, x)| n * x[0]).sum::<f64>();
-    let r = aside(nodes);
+    let along = |of: &[[f64; 3]], c: usize| point.shape.iter().zip(of).map(|(n, x)| n * x[c]).sum::<f64>();
+    let r = along(nodes, 0);
     // No integration point is on the axis.
-    strain[2] = aside(moved) / r;
+    strain[2] = along(moved, 0) / r;
+    (strain[4], strain[5]) = (d(2, 1), d(2, 0) - along(moved, 2) / r);
     (area * geometry.depth([r, 0.0, 0.0]), strain)
 }
 

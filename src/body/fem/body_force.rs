@@ -49,10 +49,9 @@ pub fn thermal_forces(
         let mut of_cell = vec![[0.0; 3]; cell.nodes.len()];
         for ((place, _), point) in rule.iter().zip(&points) {
             let stress = thermal_stress(&material(e), thin, strain(e, at(&shape(cell.kind, *place), &nodes)));
-            let columns = strain_columns(mesh.dimension, point, mean.as_deref());
-            for (k, column) in columns.iter().enumerate() {
-                let work: f64 = stress.iter().zip(column).map(|(s, e)| s * e).sum();
-                of_cell[k / mesh.dimension][k % mesh.dimension] += point.volume * work;
+            let columns = strain_columns(3, point, mean.as_deref());
+            for (sum, column) in of_cell.as_flattened_mut().iter_mut().zip(&columns) {
+                *sum += point.volume * stress.iter().zip(column).map(|(s, e)| s * e).sum::<f64>();
             }
         }
         forces.extend(cell.nodes.iter().copied().zip(of_cell));

@@ -61,19 +61,20 @@ impl Element {
 /// The strain `(ε_xx, ε_yy, ε_zz, γ_xy, γ_yz, γ_zx)`; in a body of revolution `ε_zz` is the hoop strain.
 pub(super) type Strain = [f64; 6];
 
-/// Computes the columns of `B` in `dimension` dimensions: the strains (1/m) of a unit displacement in each of the
-/// unknowns, node by node, at a `point`. If `mean` is given, it replaces the trace of the strain:
+/// Computes the columns of `B` for displacements of so many `components`: the strains (1/m) of a unit displacement in each
+/// of the unknowns, node by node, at a `point`. If `mean` is given, it replaces the trace of the strain:
 /// `ε̄ = ε + (θ̄ - tr ε) 1 / 3`.
-pub(super) fn strain_columns(dimension: usize, point: &CellPoint, mean: Option<&[[f64; 3]]>) -> Vec<Strain> {
-    let mut columns = Vec::with_capacity(dimension * point.gradients.len());
+pub(super) fn strain_columns(components: usize, point: &CellPoint, mean: Option<&[[f64; 3]]>) -> Vec<Strain> {
+    let mut columns = Vec::with_capacity(components * point.gradients.len());
     for (a, &[gx, gy, gz]) in point.gradients.iter().enumerate() {
         let h = point.hoop(a);
         let [cx, cy, cz] = mean.map_or([0.0; 3], |mean| {
             let own = point.dilatation(a);
             [0, 1, 2].map(|c| (mean[a][c] - own[c]) / 3.0)
         });
-        let node = [[gx + cx, cx, h + cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx]];
-        columns.extend_from_slice(&node[..dimension]);
+        let node =
+            [[gx + cx, cx, h + cx, gy, 0.0, gz], [cy, gy + cy, cy, gx, gz, 0.0], [cz, cz, gz + cz, 0.0, gy, gx - h]];
+        columns.extend_from_slice(&node[..components]);
     }
     columns
 }
@@ -167,7 +168,7 @@ impl CellPoint {
 /// Computes the stiffness `∫ Bᵀ D B` of a cell with `nodes` (m), N/m; in two dimensions per unit depth, for a body of
 /// revolution over the full circumference.
 ///
-/// Unknowns are `(u_x, u_y)` or `(u_x, u_y, u_z)` node by node. `None` if the element is inverted or degenerate.
+/// Unknowns are `(u_x, u_y)` or, in space and with torsion, `(u_x, u_y, u_z)` node by node. `None` if the element is inverted or degenerate.
 pub fn element_stiffness(
     kind: CellKind,
     geometry: Geometry,
@@ -177,10 +178,11 @@ pub fn element_stiffness(
 ) -> Option<Vec<Vec<f64>>> {
     let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
     let mean = element.mean_dilatation(&points);
-    let unknowns = kind.dimension() * nodes.len();
+    let components = geometry.components(kind.dimension());
+    let unknowns = components * nodes.len();
     let mut k = vec![vec![0.0; unknowns]; unknowns];
     for point in &points {
-        let b = strain_columns(kind.dimension(), point, mean.as_deref());
+        let b = strain_columns(components, point, mean.as_deref());
         for (row, strain) in k.iter_mut().zip(&b) {
             let stress = material.stress(*strain);
             for (entry, strain) in row.iter_mut().zip(&b) {
@@ -205,7 +207,7 @@ pub fn strain_at(
 ) -> Option<[f64; 6]> {
     let here = CellPoint::new(kind, geometry, nodes, (point, 1.0))?;
     let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
-    Some(strain(kind, &here, element.mean_dilatation(&points).as_deref(), displacements))
+    Some(strain(&here, element.mean_dilatation(&points).as_deref(), displacements))
 }
 
 /// Computes the volume (m³; in two dimensions the area, m²) of a cell, as in [`strain_at`].
@@ -227,16 +229,15 @@ pub fn strains(
 ) -> Option<Vec<(f64, [f64; 6])>> {
     let points = CellPoint::all(kind, geometry, nodes, &quadrature_of(kind, geometry, nodes))?;
     let mean = element.mean_dilatation(&points);
-    let at = |point: &CellPoint| (point.volume, strain(kind, point, mean.as_deref(), displacements));
+    let at = |point: &CellPoint| (point.volume, strain(point, mean.as_deref(), displacements));
     Some(points.iter().map(at).collect())
 }
 
 /// Computes the strain of `displacements` of the nodes, see [`strain_columns`].
-fn strain(kind: CellKind, point: &CellPoint, mean: Option<&[[f64; 3]]>, displacements: &[[f64; 3]]) -> Strain {
-    let columns = strain_columns(kind.dimension(), point, mean);
-    let unknowns = displacements.iter().flat_map(|u| &u[..kind.dimension()]);
+fn strain(point: &CellPoint, mean: Option<&[[f64; 3]]>, displacements: &[[f64; 3]]) -> Strain {
+    let columns = strain_columns(3, point, mean);
     let mut strain = [0.0; 6];
-    for (column, u) in columns.iter().zip(unknowns) {
+    for (column, u) in columns.iter().zip(displacements.as_flattened()) {
         strain.iter_mut().zip(column).for_each(|(sum, c)| *sum += c * u);
     }
     strain
@@ -307,7 +308,7 @@ mod tests {
             for point in &points {
                 let (plain, bar) = (strain_columns(d, point, None), strain_columns(d, point, Some(&mean)));
                 for (k, (plain, bar)) in plain.iter().zip(bar).enumerate() {
-                    let across = k % d == 2 || k % d == 0 && geometry == Geometry::Axisymmetric;
+                    let across = k % d == 2 || k % d == 0 && geometry.is_revolved();
                     assert_eq!(plain[2] == 0.0, !across);
                     assert!((bar[..3].iter().sum::<f64>() - mean[k / d][k % d]).abs() < 1e-15);
                     assert!((bar[0] - bar[1] - (plain[0] - plain[1])).abs() < 1e-15);
@@ -354,7 +355,7 @@ mod tests {
     #[test]
     fn stiffness_is_symmetric_and_inverted_elements_are_refused() {
         let corners = [[0.0, 0.0, 0.0], [2.0, 0.3, 0.0], [1.7, 1.4, 0.0], [-0.2, 1.1, 0.0]];
-        let material = Elasticity::plane_strain(1.0, 0.3);
+        let material = Elasticity::isotropic(1.0, 0.3);
         for element in [Element::Bilinear, Element::BBar] {
             let of = |corners: &[[f64; 3]]| {
                 element_stiffness(CellKind::Quadrilateral, Geometry::Cartesian, corners, element, &material)

@@ -102,6 +102,9 @@ pub enum Plane {
     Stress,
     /// Half the section of a body of revolution about the y axis, with `ε_zz = u_x / x`.
     Axisymmetric,
+    /// As [`Plane::Axisymmetric`], with displacements `u_z` around the axis: `γ_yz = ∂u_z/∂y`, `γ_zx = ∂u_z/∂x - u_z / x`.
+    #[serde(rename = "axisymmetric-torsion")]
+    Torsion,
 }
 
 /// A check of a material constant with its key.
@@ -177,7 +180,7 @@ impl Material {
 
     /// Returns `true` for a body of revolution.
     pub fn is_axisymmetric(&self) -> bool {
-        self.plane == Some(Plane::Axisymmetric)
+        matches!(self.plane, Some(Plane::Axisymmetric | Plane::Torsion))
     }
 
     /// Returns the depth to which the forces of a body with `dimension` dimensions belong.
@@ -383,16 +386,11 @@ pub struct Elasticity {
 }
 
 impl Elasticity {
-    /// Creates the law in three dimensions. `young` in Pa, `-1 < poisson < 0.5`.
+    /// Creates the law in three dimensions, in plane strain and of bodies of revolution. `young` in Pa, `-1 < poisson < 0.5`.
     pub fn isotropic(young: f64, poisson: f64) -> Self {
         // 1 - 2ν is exact for ν > 1/4, so that λ keeps its digits for ν arbitrarily close to 1/2.
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));
         Elasticity { lambda, mu: shear_modulus(young, poisson) }
-    }
-
-    /// Creates the law of plane strain, for a slice of a long body: the law in three dimensions with `ε_zz = 0`.
-    pub fn plane_strain(young: f64, poisson: f64) -> Self {
-        Self::isotropic(young, poisson)
     }
 
     /// Creates the law of plane stress, `σ_zz = 0`, for a thin plate. `young` in Pa. Here `λ` is `2λμ / (λ + 2μ)` of
@@ -453,7 +451,7 @@ mod tests {
         let plate = Elasticity::plane_stress(young, poisson).stress([1e-3, -poisson * 1e-3, 0.0, 0.0, 0.0, 0.0]);
         assert!((plate[0] - young * 1e-3).abs() < 1e-3 && plate[1].abs() < 1e-3);
         // In plane strain, σ_zz = ν (σ_xx + σ_yy) makes the modulus E / (1 - ν²).
-        let strain = Elasticity::plane_strain(young, poisson);
+        let strain = Elasticity::isotropic(young, poisson);
         let lateral = -poisson / (1.0 - poisson) * 1e-3;
         let stress = strain.stress([1e-3, lateral, 0.0, 0.0, 0.0, 0.0]);
         assert!((stress[0] / (young / (1.0 - poisson * poisson) * 1e-3) - 1.0).abs() < 1e-14);
@@ -466,7 +464,7 @@ mod tests {
         // 1 - 2ν = 2⁻³⁰ exactly.
         let compressibility = 2.0_f64.powi(-30);
         let poisson = 0.5 * (1.0 - compressibility);
-        let material = Elasticity::plane_strain(1.0, poisson);
+        let material = Elasticity::isotropic(1.0, poisson);
         let bulk = 1.0 / (3.0 * compressibility);
         assert!(((material.lambda + 2.0 / 3.0 * material.mu) / bulk - 1.0).abs() < 1e-15);
     }

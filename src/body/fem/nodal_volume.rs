@@ -160,8 +160,8 @@ impl NodalVolume {
     }
 
     /// Computes `κ / V_a G_aᵀ G_a` (N/m; in two dimensions per unit depth), with unknowns as for an element.
-    pub(crate) fn stiffness(&self, dimension: usize) -> Vec<Vec<f64>> {
-        let row: Vec<f64> = self.gradients.iter().flat_map(|g| &g[..dimension]).copied().collect();
+    pub(crate) fn stiffness(&self, components: usize) -> Vec<Vec<f64>> {
+        let row: Vec<f64> = self.gradients.iter().flat_map(|g| &g[..components]).copied().collect();
         row.iter().map(|g| row.iter().map(|other| self.bulk * self.volume * (g * other)).collect()).collect()
     }
 }

@@ -1,6 +1,7 @@
 //! The body that a two-dimensional mesh represents: a slice or a body of revolution.
 
 use std::f64::consts::TAU;
+use std::ops::Range;
 
 use super::check::none;
 use super::{Mesh, MeshFault};
@@ -14,6 +15,8 @@ pub enum Geometry {
     /// A two-dimensional mesh is half the section of a body of revolution about the y axis; x is the distance from the
     /// axis.
     Axisymmetric,
+    /// As [`Geometry::Axisymmetric`], with displacements around the axis, along z: the body may be twisted.
+    Torsion,
 }
 
 impl Geometry {
@@ -22,8 +25,18 @@ impl Geometry {
     pub fn depth(self, x: [f64; 3]) -> f64 {
         match self {
             Geometry::Cartesian => 1.0,
-            Geometry::Axisymmetric => TAU * x[0],
+            Geometry::Axisymmetric | Geometry::Torsion => TAU * x[0],
         }
+    }
+
+    /// Returns `true` for a body of revolution.
+    pub fn is_revolved(self) -> bool {
+        self != Geometry::Cartesian
+    }
+
+    /// Returns the number of components of displacements and forces of a mesh of this dimension.
+    pub fn components(self, dimension: usize) -> usize {
+        if self == Geometry::Torsion { 3 } else { dimension }
     }
 }
 
@@ -45,12 +58,17 @@ impl Mesh {
     /// assert_eq!(cylinder.geometry, Geometry::Axisymmetric);
     /// # Ok::<(), stickslip::body::mesh::MeshFault>(())
     /// ```
-    pub fn into_axisymmetric(mut self) -> Result<Mesh, MeshFault> {
+    pub fn into_axisymmetric(self) -> Result<Mesh, MeshFault> {
+        self.into_revolved(Geometry::Axisymmetric)
+    }
+
+    /// Makes this mesh a section as [`Mesh::into_axisymmetric`] does, of this `geometry`.
+    pub(crate) fn into_revolved(mut self, geometry: Geometry) -> Result<Mesh, MeshFault> {
         let near = ON_AXIS * self.size();
         for x in self.nodes.iter_mut().filter(|x| x[0].abs() <= near) {
             x[0] = 0.0;
         }
-        self.geometry = Geometry::Axisymmetric;
+        self.geometry = geometry;
         self.check_section()?;
         Ok(self)
     }
@@ -67,9 +85,25 @@ impl Mesh {
         none(left, MeshFault::LeftOfAxis)
     }
 
-    /// Returns `true` if `node` is on the axis of a body of revolution, where radial displacements are 0.
+    /// Returns the number of components of displacements and forces: the dimension, and 3 with torsion.
+    pub fn components(&self) -> usize {
+        self.geometry.components(self.dimension)
+    }
+
+    /// Returns the axes about which the body can turn: z in the plane, all in space, with torsion y; a body of revolution
+    /// without torsion does not turn.
+    pub fn rotation_axes(&self) -> Range<usize> {
+        match (self.geometry, self.dimension) {
+            (Geometry::Axisymmetric, _) => 0..0,
+            (Geometry::Torsion, _) => 1..2,
+            (Geometry::Cartesian, 2) => 2..3,
+            (Geometry::Cartesian, _) => 0..3,
+        }
+    }
+
+    /// Returns `true` if `node` is on the axis of a body of revolution, where displacements across it are 0.
     pub fn is_on_axis(&self, node: usize) -> bool {
-        self.geometry == Geometry::Axisymmetric && self.nodes[node][0] == 0.0
+        self.geometry.is_revolved() && self.nodes[node][0] == 0.0
     }
 }
 

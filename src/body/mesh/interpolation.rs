@@ -243,8 +243,8 @@ pub(crate) fn stiffness_rule(kind: CellKind, geometry: Geometry, curved: bool) -
         // Gradients times the determinant of curved edges are cubic, so that four points fail the patch test.
         (Geometry::Cartesian, true) if kind == CellKind::Tetrahedron10 => rules::tetrahedron8(),
         (Geometry::Cartesian, _) => (properties.rule)(),
-        (Geometry::Axisymmetric, false) if kind.is_quadratic() => (properties.rule)(),
-        (Geometry::Axisymmetric, _) => (properties.fine_rule)(),
+        (Geometry::Axisymmetric | Geometry::Torsion, false) if kind.is_quadratic() => (properties.rule)(),
+        (Geometry::Axisymmetric | Geometry::Torsion, _) => (properties.fine_rule)(),
     }
 }
 

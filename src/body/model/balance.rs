@@ -18,8 +18,8 @@ use crate::solver::problem::{ProblemError, State};
 
 /// A force and its moment about the origin at the reference positions of the nodes; in two dimensions per m of depth.
 ///
-/// For a body of revolution, forces are those of the full circumference, the component along x is the sum of the radial
-/// forces, and there is no moment.
+/// For a body of revolution, forces are those of the full circumference, the components along x and z are the sums of the
+/// radial and the circumferential forces, and the only moment is the torque about the axis.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
     /// The force, N.
@@ -33,7 +33,7 @@ impl Wrench {
     pub fn at(geometry: Geometry, x: [f64; 3], force: [f64; 3]) -> Self {
         let moment = match geometry {
             Geometry::Cartesian => cross(x, force),
-            Geometry::Axisymmetric => [0.0; 3],
+            Geometry::Axisymmetric | Geometry::Torsion => [0.0, 0.0 - x[0] * force[2], 0.0],
         };
         Wrench { force, moment }
     }
@@ -410,11 +410,8 @@ impl Model {
             let wrenches = of_loads.map(|(_, w)| *w).chain(of_supports.map(|(_, w)| *w));
             let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
             let position = self.constraints.couplings.all[k].position;
-            let moment = match self.mesh.geometry {
-                Geometry::Cartesian => minus(moment, cross(position, force)),
-                Geometry::Axisymmetric => moment,
-            };
-            (Wrench { force, moment }, self.constraints.couplings.motion(&self.constraints.dofs, k, &all))
+            let moment = minus(moment, cross(position, force));
+            (Wrench { force, moment }, self.constraints.couplings.motion(&self.mesh, &self.constraints.dofs, k, &all))
         };
         couplings.iter().enumerate().map(one).collect()
     }
@@ -422,9 +419,10 @@ impl Model {
     /// Returns the larger of the magnitudes of the force and of the moment about the middle of the body divided by its
     /// size; and the magnitude of the force.
     fn left_of(&self, left: Wrench) -> [f64; 2] {
-        if self.mesh.geometry == Geometry::Axisymmetric {
-            // Radial forces are in equilibrium by symmetry.
-            return [left.force[1].abs(); 2];
+        if self.mesh.geometry.is_revolved() {
+            // Radial and circumferential forces are in equilibrium by symmetry.
+            let force = left.force[1].abs();
+            return [force.max(left.moment[1].abs() / self.mesh.size()), force];
         }
         let middle = self.mesh.bounds().map(|(lowest, highest)| 0.5 * (lowest + highest));
         let moment = minus(left.moment, cross(middle, left.force));

@@ -50,7 +50,7 @@ impl ContactGeometry {
             recovery: Recovery::new(mesh, &nodes, &boundaries, &pairs),
             beside_the_end: recovery::beside_the_end(mesh, &nodes, &boundaries),
             passages: Passages::new(mesh, mortars),
-            passed_by: nodes.iter().map(|node| motions::passes(node, mesh.dimension, &obstacles, past)).collect(),
+            passed_by: nodes.iter().map(|node| motions::passes(node, mesh.components(), &obstacles, past)).collect(),
             nodes,
             boundaries,
             obstacles,

@@ -3,14 +3,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::find;
-use super::place::{of_dimension, suits};
+use super::place::suits;
 use crate::algebra::null_space::{Row, null_space};
 use crate::algebra::vector::{axis, cross, dot, minus, norm, plus};
 use crate::base::input_error::InputError;
 use crate::body::constraints::{Dofs, ReferencePoint};
 use crate::body::description::{Coupling, CouplingKind, Description, Part};
 use crate::body::fem::{NodalForces, area, cell_volume, facet_weights, traction};
-use crate::body::mesh::{Boundary, Geometry, Mesh};
+use crate::body::mesh::{Boundary, Mesh};
 
 /// The largest distance of a reference point from its part, in sizes of the mesh. Moments lose as many digits.
 const FURTHEST: f64 = 1e4;
@@ -83,13 +83,13 @@ impl Couplings {
         let key = format!("coupling[{k}]");
         let shares = shares(mesh, &given.part, &key)?;
         let mut position = centroid(mesh, &shares);
-        if mesh.geometry == Geometry::Axisymmetric {
+        if mesh.geometry.is_revolved() {
             position[0] = 0.0;
         }
         if let Some(point) = given.point {
             suits(mesh, point, &format!("{key}.point"))?;
             position = point.components();
-            if mesh.geometry == Geometry::Axisymmetric && position[0] != 0.0 {
+            if mesh.geometry.is_revolved() && position[0] != 0.0 {
                 let message = "the reference point of a body of revolution is not on its axis, x = 0";
                 return Err(InputError::new(format!("{key}.point"), message, "give [0, y]"));
             }
@@ -208,7 +208,7 @@ impl Couplings {
 
     /// Returns the displacement (m) and the rotation (rad) of the reference point of coupling `k` from the displacements
     /// of all nodes.
-    pub(super) fn motion(&self, dofs: &Dofs, k: usize, all: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    pub(super) fn motion(&self, mesh: &Mesh, dofs: &Dofs, k: usize, all: &[[f64; 3]]) -> [[f64; 3]; 2] {
         let coupled = &self.all[k];
         match &coupled.link {
             Link::Rigid { k, .. } => {
@@ -216,7 +216,10 @@ impl Couplings {
                 [all[translation], dofs.rotation(*k, all[rotation])]
             }
             Link::Distributing(spread) => {
-                let mean = coupled.shares.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, all[*node]));
+                let mut mean = coupled.shares.iter().fold([0.0; 3], |sum, (node, share)| plus(sum, *share, all[*node]));
+                if mesh.geometry.is_revolved() {
+                    (mean[0], mean[2]) = (0.0, 0.0);
+                }
                 let turned = spread
                     .moments
                     .iter()
@@ -241,7 +244,10 @@ impl Coupled {
 
 impl Spread {
     fn new(mesh: &Mesh, boundary: &Boundary, shares: &[(usize, f64)]) -> Option<Self> {
-        let (centroid, area) = (centroid(mesh, shares), area(mesh, boundary));
+        let (mut centroid, area) = (centroid(mesh, shares), area(mesh, boundary));
+        if mesh.geometry.is_revolved() {
+            centroid[0] = 0.0;
+        }
         let moments = traction(mesh, boundary, |x, d_area| minus(x, centroid).map(|r| r * norm(d_area) / area));
         let mut inertia = [[0.0; 3]; 3];
         for (node, moment) in &moments {
@@ -252,11 +258,11 @@ impl Spread {
                 }
             }
         }
-        // A body of revolution neither turns nor carries a moment; a plane one turns about z only.
-        let inverse = match (mesh.geometry, mesh.dimension) {
-            (Geometry::Axisymmetric, _) => [[0.0; 3]; 3],
-            (_, 2) => [[0.0; 3], [0.0; 3], axis(2).map(|c| c / inertia[2][2])],
-            _ => inverse(inertia),
+        let turns = mesh.rotation_axes();
+        let inverse = if turns.len() == 3 {
+            inverse(inertia)
+        } else {
+            [0, 1, 2].map(|k| if turns.contains(&k) { axis(k).map(|c| c / inertia[k][k]) } else { [0.0; 3] })
         };
         inverse.as_flattened().iter().all(|x| x.is_finite()).then_some(Spread { centroid, moments, inverse })
     }
@@ -311,13 +317,13 @@ fn centroid(mesh: &Mesh, shares: &[(usize, f64)]) -> [f64; 3] {
 
 /// Returns `true` if a rotation moves the nodes: two points in the plane, three off a line in space.
 fn spans(mesh: &Mesh, shares: &[(usize, f64)]) -> bool {
-    if mesh.geometry == Geometry::Axisymmetric {
+    if mesh.geometry.is_revolved() {
         return true;
     }
     let first = mesh.nodes[shares[0].0];
     let arms = shares.iter().map(|(node, _)| minus(mesh.nodes[*node], first));
     let size = arms.clone().map(norm).fold(0.0, f64::max);
-    let rotations = if mesh.dimension == 2 { 2..3 } else { 0..3 };
+    let rotations = mesh.rotation_axes();
     let rows = arms.flat_map(|arm| {
         let arm = arm.map(|c| c / size);
         let along = |c: usize| rotations.clone().map(|r| cross(axis(r), arm)[c]).collect();
@@ -328,23 +334,22 @@ fn spans(mesh: &Mesh, shares: &[(usize, f64)]) -> bool {
 
 /// Returns moments about the axes of space from the components of an input.
 pub(super) fn about_axes(mesh: &Mesh, given: &[f64], key: &str) -> Result<[f64; 3], InputError> {
-    if mesh.geometry == Geometry::Axisymmetric {
-        let message = "a body of revolution does not turn";
-        return Err(InputError::new(key, message, "remove the table, or use a body in space"));
+    let turns = mesh.rotation_axes();
+    if turns.len() == given.len() {
+        return Ok([0, 1, 2].map(|c| if turns.contains(&c) { given[c - turns.start] } else { 0.0 }));
     }
-    if mesh.dimension == 2 {
-        let message = || {
-            format!(
-                "{} has {} components, but a plane body turns about z only",
-                key.rsplit('.').next().unwrap_or(key),
-                given.len()
-            )
-        };
-        return match given {
-            [z] => Ok([0.0, 0.0, *z]),
-            _ => Err(InputError::new(key, message(), "give one number, such as 5")),
-        };
+    let name = key.rsplit('.').next().unwrap_or(key);
+    let message = format!("{name} has {} components, but {}", given.len(), turning(mesh));
+    let help = ["remove the table", "give one number, such as 5", "", "give [x, y, z]"][turns.len()];
+    Err(InputError::new(key, message, help))
+}
+
+/// Tells about which axes the body turns.
+pub(super) fn turning(mesh: &Mesh) -> String {
+    match &["x", "y", "z"][mesh.rotation_axes()] {
+        [] => {
+            "a body of revolution does not turn, unless its material has plane = \"axisymmetric-torsion\"".to_string()
+        }
+        axes => format!("the body turns about {} only", axes.join(", ")),
     }
-    of_dimension(mesh, key, given.len())?;
-    Ok([given[0], given[1], given[2]])
 }

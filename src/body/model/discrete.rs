@@ -133,21 +133,22 @@ pub(super) fn element(description: &Description, mesh: &Mesh) -> Result<Element,
 
 /// Returns the mesh of `description`; for an axisymmetric material, as half the section of a body of revolution.
 fn meridian(description: &Description, mesh: Arc<Mesh>) -> Result<Arc<Mesh>, InputError> {
-    match (description.material.plane, mesh.geometry) {
-        // The check of the material fails for a plane state of a three-dimensional mesh.
-        (Some(Plane::Axisymmetric), _) if mesh.dimension == 2 => {}
-        (_, Geometry::Cartesian) => return Ok(mesh),
-        (_, Geometry::Axisymmetric) => {
+    // The check of the material fails for a plane state of a three-dimensional mesh.
+    let geometry = match description.material.plane {
+        Some(Plane::Axisymmetric) if mesh.dimension == 2 => Geometry::Axisymmetric,
+        Some(Plane::Torsion) if mesh.dimension == 2 => Geometry::Torsion,
+        _ if mesh.geometry == Geometry::Cartesian => return Ok(mesh),
+        _ => {
             let message = "the mesh is the section of a body of revolution, but the material is not axisymmetric";
             return Err(InputError::new("material.plane", message, "use \"axisymmetric\""));
         }
-    }
+    };
     let place = |nodes: &[usize]| {
         let furthest = nodes.iter().copied().min_by(|&a, &b| mesh.nodes[a][0].total_cmp(&mesh.nodes[b][0]));
         furthest.map_or(String::new(), |node| description.system(2).point(mesh.nodes[node]))
     };
-    let axisymmetric = Mesh::clone(&mesh).into_axisymmetric();
-    axisymmetric.map(Arc::new).map_err(|fault| {
+    let revolved = Mesh::clone(&mesh).into_revolved(geometry);
+    revolved.map(Arc::new).map_err(|fault| {
         let message = match &fault {
             MeshFault::LeftOfAxis(nodes) => format!(
                 "the body is axisymmetric, with x as the distance from the axis, but its mesh reaches to {}",

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::coupling::Couplings;
+use super::coupling::{Couplings, turning};
 use super::find;
 use super::joint::Joints;
 use super::place::{nodes, normals, suits};
@@ -11,7 +11,7 @@ use crate::base::input_error::InputError;
 use crate::base::units::UnitSystem;
 use crate::body::constraints::{Dofs, ReferencePoint, Relative, SAME_DIRECTION, Tie};
 use crate::body::description::{Axis, Description, Direction, Held, Support, Where};
-use crate::body::mesh::{Geometry, Mesh};
+use crate::body::mesh::Mesh;
 
 /// The displacements that one support holds: nodes, unit vectors and displacements (m) at factor 1.
 pub(super) type Holding = Vec<(usize, [f64; 3], f64)>;
@@ -37,7 +37,7 @@ fn holding(
     k: usize,
 ) -> Result<Holding, InputError> {
     let (key, units) = (format!("support[{k}]"), description.system(mesh.dimension));
-    let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
+    let axisymmetric = mesh.geometry.is_revolved();
     let place = support.at.location(&units);
     let point = match &support.at {
         Where::Coupling(name) => Some(couplings.rigid(name, "the support", &key)?),
@@ -53,22 +53,20 @@ fn holding(
             |at: &str, message: String, help: &str| Err(InputError::new(format!("{key}.{at}"), message, help));
         let mut normals_of = Vec::new();
         let n = match direction {
-            Direction::Axis(Axis::Z) if mesh.dimension == 2 => {
+            Direction::Axis(Axis::Z) if mesh.components() == 2 => {
                 let message = format!("the support of `{place}` holds z, but the body has two dimensions");
                 return refused("fix", message, "leave out \"z\"");
             }
-            Direction::Rotation(_) if axisymmetric => {
-                let help = "leave the rotation out";
-                return refused("fix", format!("`{place}` belongs to a body of revolution, which does not turn"), help);
-            }
-            Direction::Rotation(Axis::X | Axis::Y) if mesh.dimension == 2 => {
-                let message = format!("`{place}` belongs to a plane body, which turns about z only");
-                return refused("fix", message, "fix \"rotation_z\"");
+            Direction::Rotation(about) if !mesh.rotation_axes().contains(&(*about as usize)) => {
+                let message = format!("the support of `{place}` holds a rotation, but {}", turning(mesh));
+                let own = ["x", "y", "z"][mesh.rotation_axes()].first();
+                let help = own.map_or("leave it out".to_string(), |own| format!("fix \"rotation_{own}\""));
+                return refused("fix", message, &help);
             }
             Direction::Rotation(about) => {
                 // The check of the description refuses it elsewhere.
                 let Some((point, [_, rotation])) = point else { continue };
-                let turned = points[point].of_rotation(mesh.dimension, axis(*about as usize));
+                let turned = points[point].of_rotation(mesh.components(), axis(*about as usize));
                 let length = norm(turned);
                 holding.push((rotation, turned.map(|c| c / length), displacement * length));
                 continue;
@@ -85,7 +83,7 @@ fn holding(
                 [0.0; 3]
             }
         };
-        if point.is_some() && axisymmetric && n[0] != 0.0 {
+        if point.is_some() && axisymmetric && n[1] == 0.0 {
             if matches!(direction, Direction::Along(_)) {
                 let message = format!("the direction of the support leads `{place}` off the axis of the body");
                 return refused("direction", message, "fix \"y\"");
@@ -118,7 +116,7 @@ fn beside_axis(
     key: &str,
     (node, n, to): (usize, [f64; 3], f64),
 ) -> Result<Option<(usize, [f64; 3], f64)>, InputError> {
-    if n[0] == 0.0 || !mesh.is_on_axis(node) {
+    if n[1] == 1.0 || !mesh.is_on_axis(node) {
         return Ok(Some((node, n, to)));
     }
     if n[1].abs() > SAME_DIRECTION {
@@ -144,7 +142,7 @@ pub(super) fn dofs(
     for (node, n, _) in holdings.iter().flatten() {
         directions[*node].push(*n);
     }
-    directions.extend((0..joints.all.len()).map(|k| joints.held(k, mesh.dimension)));
+    directions.extend((0..joints.all.len()).map(|k| joints.held(k, mesh)));
     let dofs = Dofs::with_points(mesh, points, joints.all.iter().map(|joint| joint.jump.clone()).collect(), |node| {
         std::mem::take(&mut directions[node])
     });
@@ -174,7 +172,7 @@ pub(super) fn relations(
     for (of, k, nodes) in couplings.each_rigid() {
         for node in nodes {
             let relation = dofs.carried_by(mesh, k, node);
-            let mut held = dofs.held(node).filter(|n| mesh.dimension == 3 || n[2] == 0.0);
+            let mut held = dofs.held(node).filter(|n| mesh.components() == 3 || n[2] == 0.0);
             if held.any(|n| moves(node, n) || dofs.may_move(&relation, n, moves)) {
                 let coupling = &description.couplings[of];
                 let place = description.system(mesh.dimension).point(mesh.nodes[node]);
@@ -209,7 +207,7 @@ pub(super) fn ties(couplings: &Couplings, mesh: &Mesh, dofs: &Dofs) -> Vec<Tie> 
         let others = nodes.into_iter().filter(move |node| Some(of[*node]) != first);
         others.flat_map(move |node| {
             let relation = dofs.carried_by(mesh, k, node);
-            (0..mesh.dimension).map(|c| dofs.tie(&relation, axis(c))).collect::<Vec<_>>()
+            (0..mesh.components()).map(|c| dofs.tie(&relation, axis(c))).collect::<Vec<_>>()
         })
     };
     couplings.each_rigid().flat_map(of_point).collect()

@@ -9,7 +9,7 @@ use crate::base::timeline::within;
 use crate::body::constraints::{Coefficient, Dofs, Jump, Relative, SAME_DIRECTION, Tie, normal_frame};
 use crate::body::contact::MortarRow;
 use crate::body::description::{Description, Opposite, Tightening};
-use crate::body::mesh::{Boundary, Geometry, Mesh};
+use crate::body::mesh::{Boundary, Mesh};
 
 /// The least length of the sum of the area vectors of a section, as a share of the sum of their lengths.
 const FLAT: f64 = 0.5;
@@ -67,7 +67,7 @@ impl Joints {
             if let Some(shift) = shift {
                 let key = format!("contact[{contact}].shift");
                 super::place::suits(mesh, shift, &key)?;
-                if mesh.geometry == Geometry::Axisymmetric && shift.components()[0] != 0.0 {
+                if mesh.geometry.is_revolved() && shift.components()[0] != 0.0 {
                     let message = "a body of revolution is periodic along its axis only";
                     return Err(InputError::new(key, message, "give [0, y]"));
                 }
@@ -118,10 +118,13 @@ impl Joints {
     }
 
     /// Returns the directions along which jump `k` is held.
-    pub(super) fn held(&self, k: usize, dimension: usize) -> Vec<[f64; 3]> {
+    pub(super) fn held(&self, k: usize, mesh: &Mesh) -> Vec<[f64; 3]> {
+        let components = mesh.components();
         match self.all[k].tightened {
-            Some(section) if section.is_by_force() => normal_frame(section.normal, dimension)[..dimension - 1].to_vec(),
-            _ => [0, 1, 2].map(axis)[..dimension].to_vec(),
+            Some(section) if section.is_by_force() => {
+                normal_frame(section.normal, components)[..components - 1].to_vec()
+            }
+            _ => [0, 1, 2].map(axis)[..components].to_vec(),
         }
     }
 
@@ -248,7 +251,7 @@ fn normal(mesh: &Mesh, boundary: &Boundary, of: usize) -> Result<[f64; 3], Input
         return Err(InputError::new(key, message, "cut the bolt along a plane across its axis"));
     }
     let normal = unit(unit(sum).map(|n| if n.abs() > ROUNDING { n } else { 0.0 }));
-    if mesh.geometry == Geometry::Axisymmetric && normal[0] != 0.0 {
+    if mesh.geometry.is_revolved() && normal[0] != 0.0 {
         let message = format!("`{}` is not across the axis of the body of revolution", boundary.name);
         return Err(InputError::new(key, message, "cut the bolt along a plane y = constant"));
     }

@@ -7,7 +7,7 @@ use super::constraints::Constraints;
 use super::coupling::about_axes;
 use super::discrete::{Discrete, Elements};
 use super::find;
-use super::place::{in_space, node, suits, with_area};
+use super::place::{counts_as_force, in_space, node, suits, with_area};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
@@ -31,7 +31,7 @@ pub(super) type NodalLoad = (NodalForces, Option<FreeStrain>);
 
 /// Returns the given point of the axis of a rotation, or that of a body of revolution.
 fn point_of_axis(mesh: &Mesh, through: Option<Vector>, key: &str) -> Result<Vector, InputError> {
-    let own = (mesh.geometry == Geometry::Axisymmetric).then(|| [0.0, 0.0].into());
+    let own = mesh.geometry.is_revolved().then(|| [0.0, 0.0].into());
     through.or(own).ok_or_else(|| {
         InputError::new(key, "the rotation has no point of its axis", "add through, such as through = [0, 0]")
     })
@@ -47,18 +47,20 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
     let thin = description.material.plane == Some(Plane::Stress);
     let mut free_strain = None;
     let forces = match &description.loads[k].action {
-        Action::Traction { boundary: name, traction } => {
-            tractions(mesh, boundary(name)?, name, traction, &at("traction"))?
-        }
+        Action::Traction { boundary: name, traction } => tractions(mesh, boundary(name)?, traction, &at("traction"))?,
         Action::Pressure { boundary: name, pressure } => {
             let forces = traction_of(mesh, boundary(name)?, |x, area| area.map(|a| -pressure.at(x) * a));
             defined(forces, &at("pressure"), "pressure")?
         }
         Action::Force { at: place, force } => {
             let force = in_space(mesh, force, &at("force"))?;
-            if mesh.geometry == Geometry::Axisymmetric && force[0] != 0.0 && matches!(place, Where::Coupling(_)) {
-                let message = "the force has a component along x, but a body of revolution moves along its axis only";
-                return Err(InputError::new(at("force"), message, "give [0, y]"));
+            if mesh.geometry.is_revolved()
+                && (force[0] != 0.0 || force[2] != 0.0)
+                && matches!(place, Where::Coupling(_))
+            {
+                let message =
+                    "the force has a component across the axis, but a body of revolution moves along its axis only";
+                return Err(InputError::new(at("force"), message, "give [0, y], with torsion [0, y, 0]"));
             }
             match place {
                 Where::Point(point) => {
@@ -77,10 +79,9 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
         }
         Action::Acceleration(acceleration) => {
             let acceleration = in_space(mesh, acceleration, &at("acceleration"))?;
-            if mesh.geometry == Geometry::Axisymmetric && acceleration[0] != 0.0 {
-                let message =
-                    "acceleration has a component along x, which leads away from the axis on all sides at once";
-                let help = "give [0, y]; what pulls away from the axis because the body spins is a load by rotation";
+            if mesh.geometry.is_revolved() && (acceleration[0] != 0.0 || acceleration[2] != 0.0) {
+                let message = "acceleration has a component across the axis, which points to all sides at once";
+                let help = "give [0, y], with torsion [0, y, 0]; what pulls away from the axis because the body spins is a load by rotation";
                 return Err(InputError::new(at("acceleration"), message, help));
             }
             let density = description.material.densities(mesh)?;
@@ -89,18 +90,18 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
         Action::Spin { axis: given, through, speed } => {
             let through = point_of_axis(mesh, *through, &at("rotation"))?;
             suits(mesh, through, &at("rotation.through"))?;
-            let own = if mesh.geometry == Geometry::Axisymmetric { axis(1) } else { axis(2) };
+            let own = if mesh.geometry.is_revolved() { axis(1) } else { axis(2) };
             let along = given.map_or(own, |axis| unit(axis.components()));
             if mesh.dimension == 2 && cross(along, own) != [0.0; 3] {
                 let message = match mesh.geometry {
                     Geometry::Cartesian => {
                         "the axis of the rotation leaves the plane of the body, which has two dimensions"
                     }
-                    Geometry::Axisymmetric => "the axis of the rotation is not that of the body, y",
+                    _ => "the axis of the rotation is not that of the body, y",
                 };
                 return Err(InputError::new(at("rotation.axis"), message, "leave it out"));
             }
-            if mesh.geometry == Geometry::Axisymmetric && through.components()[0] != 0.0 {
+            if mesh.geometry.is_revolved() && through.components()[0] != 0.0 {
                 let message = "the axis of the rotation does not go through that of the body, x = 0";
                 let help = "give a point of the axis, such as [0, 0]";
                 return Err(InputError::new(at("rotation.through"), message, help));
@@ -138,21 +139,9 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
     Ok((forces, free_strain))
 }
 
-/// Computes the forces of a traction on `boundary`, which is called `name`.
-fn tractions(
-    mesh: &Mesh,
-    boundary: &Boundary,
-    name: &str,
-    given: &[Field],
-    key: &str,
-) -> Result<NodalForces, InputError> {
-    let dimension = mesh.dimension;
-    if given.len() != dimension {
-        let n = given.len();
-        let message = format!("the traction on `{name}` has {n} components, but the body has {dimension} dimensions");
-        let help = if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" };
-        return Err(InputError::new(key, message, help));
-    }
+/// Computes the forces of a traction on `boundary`.
+fn tractions(mesh: &Mesh, boundary: &Boundary, given: &[Field], key: &str) -> Result<NodalForces, InputError> {
+    counts_as_force(mesh, key, given.len())?;
     if let Some(uniform) = given.iter().map(Field::uniform).collect::<Option<Vec<_>>>() {
         return Ok(uniform_traction(mesh, boundary, in_space(mesh, &uniform, key)?));
     }

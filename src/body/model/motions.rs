@@ -99,15 +99,14 @@ const DRIFTS: f64 = 1e-9;
 /// supports hold the node. For another body, `others` decides for the tangents of the node passed to it.
 pub(super) fn passes(
     contact: &ContactNode,
-    dimension: usize,
+    components: usize,
     obstacles: &[(PlacedObstacle, ObstacleMotion)],
     others: impl Fn(&ContactNode) -> bool,
 ) -> bool {
     let facing = &contact.facing;
     let has = contact.tangents.iter().filter(|row| !row.is_empty()).count();
-    let tangents = match (dimension - 1 - has, has) {
+    let tangents = match (components - 1 - has, has) {
         (0, _) => return false,
-        (_, 0) if dimension == 2 => [contact.frame[0], [0.0; 3]],
         (_, 0) => contact.frame,
         _ => [cross(facing.normal, facing.tangents[0]), [0.0; 3]],
     };

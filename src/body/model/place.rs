@@ -59,18 +59,22 @@ fn only(
 
 /// Fails unless a vector has as many components as the body has dimensions.
 pub(super) fn suits(mesh: &Mesh, vector: Vector, key: &str) -> Result<(), InputError> {
-    of_dimension(mesh, key, vector.dimension()).map(drop)
+    counts(key, vector.dimension(), mesh.dimension, "dimensions")
 }
 
-/// Fails unless the number of components `count` equals the number of dimensions of the body.
-pub(super) fn of_dimension(mesh: &Mesh, key: &str, count: usize) -> Result<usize, InputError> {
-    let dimension = mesh.dimension;
-    if count == dimension {
-        return Ok(count);
+/// Fails unless a displacement or force at `key` has as many components as those of the mesh.
+pub(super) fn counts_as_force(mesh: &Mesh, key: &str, count: usize) -> Result<(), InputError> {
+    let what = if mesh.components() == mesh.dimension { "dimensions" } else { "components of displacements" };
+    counts(key, count, mesh.components(), what)
+}
+
+fn counts(key: &str, count: usize, expected: usize, what: &str) -> Result<(), InputError> {
+    if count == expected {
+        return Ok(());
     }
     let name = key.rsplit('.').next().unwrap_or(key);
-    let message = format!("{name} has {count} components, but the body has {dimension} dimensions");
-    Err(InputError::new(key, message, if dimension == 2 { "give [x, y]" } else { "give [x, y, z]" }))
+    let message = format!("{name} has {count} components, but the body has {expected} {what}");
+    Err(InputError::new(key, message, if expected == 2 { "give [x, y]" } else { "give [x, y, z]" }))
 }
 
 /// Returns the outward unit normal of `boundary` at each node of the mesh, the direction of the sum over its facets at
@@ -104,6 +108,6 @@ pub(super) fn with_area<'a>(
 
 /// Extends components to three dimensions.
 pub(super) fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
-    of_dimension(mesh, key, components.len())?;
+    counts_as_force(mesh, key, components.len())?;
     Ok([0, 1, 2].map(|c| components.get(c).copied().unwrap_or(0.0)))
 }

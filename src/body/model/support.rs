@@ -19,7 +19,7 @@ use crate::body::constraints::{Dofs, HeldRows, SAME_DIRECTION, independent};
 use crate::body::contact::{ContactNode, Facing};
 use crate::body::description::{Description, Support};
 use crate::body::fem::{NodalForces, Spring};
-use crate::body::mesh::{Geometry, Mesh};
+use crate::body::mesh::Mesh;
 use crate::solver::loading::piecewise_linear;
 
 /// The tolerance of different displacements prescribed at one node, as a share of the largest.
@@ -58,7 +58,7 @@ impl PrescribedMotion {
                 histories.push(history(support));
             }
         }
-        let axisymmetric = mesh.geometry == Geometry::Axisymmetric;
+        let axisymmetric = mesh.geometry.is_revolved();
         let of_history = |of: Vec<[f64; 2]>| {
             // Displacements that other supports hold are 0.
             let mut prescribed = Vec::new();
@@ -67,8 +67,8 @@ impl PrescribedMotion {
                 prescribed.extend(holding.iter().map(|&(node, n, to)| (k, node, n, if moves { to } else { 0.0 })));
             }
             prescribed.sort_by_key(|(_, node, ..)| *node);
-            // A body of revolution has no offset along x.
-            let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], n[2]] } else { n };
+            // A body of revolution has an offset along its axis alone.
+            let carrying_along = |n: [f64; 3]| if axisymmetric { [0.0, n[1], 0.0] } else { n };
             let offset: Vec<[f64; 3]> = (groups.carrier.iter())
                 .map(|&group| {
                     if groups.turns == Some(group) {

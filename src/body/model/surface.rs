@@ -19,7 +19,7 @@ use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
 use crate::body::description::{Action, Bed, Where};
 use crate::body::fem::facet_normals;
-use crate::body::mesh::{CellKind, Facet, Geometry, sorted};
+use crate::body::mesh::{CellKind, Facet, sorted};
 use crate::solver::problem::State;
 
 /// Facets belong to one smooth surface if the cosine between their normals exceeds this: the angle of 40 degrees at which
@@ -284,9 +284,11 @@ impl Fit {
         }
         let [along_t, along_o] = rates;
         let mut strain = [dot(along_t, t), dot(along_o, o), dot(along_t, o) + dot(along_o, t)];
-        if mesh.geometry == Geometry::Axisymmetric {
+        if mesh.geometry.is_revolved() {
             let r = mesh.nodes[self.node][0];
-            strain[1] = if mesh.is_on_axis(self.node) { strain[0] } else { own[0] / r };
+            let (on_axis, around) = (mesh.is_on_axis(self.node), dot(own, o));
+            strain[1] = if on_axis { strain[0] } else { own[0] / r };
+            strain[2] -= if on_axis { strain[2] } else { around * t[0] / r };
         }
         if !factors.is_empty() {
             let share = 1.0 / self.cells.len() as f64;

@@ -55,7 +55,11 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> String {
     // The first increment applies what exists at t = 0 at once, however short it is.
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
     let cure = if stays.abs() > WORK {
-        format!("more increments leave {:+.0} %: let the loads or interference at t = 0 grow from 0", 100.0 * stays)
+        format!(
+            "more increments leave {:+.0} %: let the loads or interference at t = 0 grow from 0; contact.adjust removes \
+             overlaps of the drawing",
+            100.0 * stays
+        )
     } else {
         let share = (stays + 0.25 * (found.work_error - stays)).abs();
         format!("four times as many increments would leave about {:.0} %", 100.0 * share)
@@ -72,7 +76,8 @@ fn of_start(error: f64) -> String {
     format!(
         "loads or interference exist at t = 0, and the first increment applies them together with later changes: \
          the friction error from there on is {:.0} % of the largest possible friction. Begin with a constant \
-         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0",
+         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0; contact.adjust removes overlaps of the \
+         drawing",
         100.0 * error
     )
 }

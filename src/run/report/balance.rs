@@ -102,7 +102,7 @@ impl BalanceRecord {
         let [of_supports, of_springs, of_loads] = model.mean_displacements(time, step.state);
         let acting = |names: Vec<String>, wrenches: Vec<Wrench>, displacements: Vec<[f64; 3]>| {
             let acting = names.into_iter().zip(wrenches).zip(displacements);
-            acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.dimension)).collect()
+            acting.map(|((at, wrench), u)| AppliedForce::new(at, wrench, u, model.mesh.components())).collect()
         };
         let couplings = model.coupled(time, step.state, [&loads, &supports, &springs]);
         // A load on a reference point moves with it.
@@ -113,16 +113,16 @@ impl BalanceRecord {
         let of_loads = description.loads.iter().zip(of_loads);
         let of_loads = of_loads.map(|(load, u)| at_point(load.action.coupling()).unwrap_or(u)).collect();
         let couplings = couplings.into_iter().zip(&description.couplings).map(|((wrench, [u, rotation]), coupling)| {
-            let dimension = model.mesh.dimension;
+            let components = model.mesh.components();
             let AppliedForce { at, force, moment, displacement } =
-                AppliedForce::new(coupling.name.clone(), wrench, u, dimension);
-            PointRecord { at, force, moment, displacement, rotation: about_axes(rotation, dimension) }
+                AppliedForce::new(coupling.name.clone(), wrench, u, components);
+            PointRecord { at, force, moment, displacement, rotation: about_axes(rotation, components) }
         });
         let jumps = sections.into_iter().zip(model.sections(time, step.state)).zip(&description.pretensions);
         let pretensions = jumps.map(|((wrench, [normal, jump]), pretension)| {
             let (normal_force, shortening) = (dot(wrench.force, normal), dot(jump, normal));
             let AppliedForce { at, force, moment, displacement } =
-                AppliedForce::new(pretension.name.clone(), wrench, jump, model.mesh.dimension);
+                AppliedForce::new(pretension.name.clone(), wrench, jump, model.mesh.components());
             // Forces at the corners of a cell are shared by its periods, which have no moments of their own.
             let moment = if description.is_periodic(&pretension.boundary) { Vec::new() } else { moment };
             SectionRecord { at, normal_force, shortening, force, moment, displacement }
@@ -147,15 +147,15 @@ impl BalanceRecord {
 }
 
 impl AppliedForce {
-    fn new(at: String, wrench: Wrench, displacement: [f64; 3], dimension: usize) -> Self {
+    fn new(at: String, wrench: Wrench, displacement: [f64; 3], components: usize) -> Self {
         let Wrench { force, moment } = wrench;
-        let displacement = displacement[..dimension].to_vec();
-        let (force, moment) = (force[..dimension].to_vec(), about_axes(moment, dimension));
+        let displacement = displacement[..components].to_vec();
+        let (force, moment) = (force[..components].to_vec(), about_axes(moment, components));
         AppliedForce { at, force, moment, displacement }
     }
 }
 
-/// Returns the components of an axial vector: z in two dimensions, all in three.
-fn about_axes(vector: [f64; 3], dimension: usize) -> Vec<f64> {
-    if dimension == 2 { vec![vector[2]] } else { vector.to_vec() }
+/// Returns the components of an axial vector: z if forces have two components, otherwise all.
+pub(super) fn about_axes(vector: [f64; 3], components: usize) -> Vec<f64> {
+    if components == 2 { vec![vector[2]] } else { vector.to_vec() }
 }

@@ -124,8 +124,9 @@ impl ContactLine {
     /// come last.
     pub fn to_csv(&self) -> String {
         let has_patches = self.points.iter().any(|point| point.sigma_patch.is_some());
-        let is_there =
-            |(name, dimension, _): &&NodeColumn| *dimension <= self.dimension && (has_patches || *name != PATCH);
+        let is_there = |(name, components, _): &&NodeColumn| {
+            *components <= self.units.components && (has_patches || *name != PATCH)
+        };
         let [before, behind] = [&BEFORE[..], &BEHIND].map(|all| all.iter().filter(is_there).collect::<Vec<_>>());
         let names = |columns: &[&NodeColumn]| columns.iter().map(|column| column.0).collect::<Vec<_>>();
         let mut header = [names(&before), vec!["status"], names(&behind)].concat();

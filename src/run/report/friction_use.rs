@@ -11,6 +11,8 @@ use super::resultant::{ContactSlip, ForceRecord};
 pub struct FrictionUse {
     /// The boundary.
     pub boundary: String,
+    /// The largest limit of the friction, `Σ μ p_n`, N. Increments with less than a hundredth of it count as without friction.
+    pub friction_limit: f64,
     /// The largest share in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`: the contact slips as a whole in one direction at 1.
     pub largest: f64,
     /// The time at which it is in use, s.
@@ -23,28 +25,40 @@ pub struct FrictionUse {
     pub end: ContactSlip,
 }
 
+/// A friction limit below this share of the largest one counts as none, as in a fit that is assembled without friction.
+const NO_FRICTION: f64 = 0.01;
+
 impl FrictionUse {
     /// Takes the `forces` after an increment over into the records `so_far`.
     pub(super) fn observe(so_far: &mut Vec<Self>, forces: &[ForceRecord]) {
-        for ForceRecord { time, resultant, slip_state, friction_used, .. } in forces {
+        for ForceRecord { time, resultant, slip_state, friction_used, friction_limit: limit, .. } in forces {
             let (Some(slip), Some(used)) = (*slip_state, *friction_used) else { continue };
-            let known = so_far.iter_mut().position(|of| of.boundary == resultant.boundary);
+            let new = || FrictionUse {
+                boundary: resultant.boundary.clone(),
+                friction_limit: *limit,
+                largest: 0.0,
+                time: *time,
+                slips_from: None,
+                slips_wholly_from: None,
+                end: slip,
+            };
+            let known = so_far.iter().position(|of| of.boundary == resultant.boundary);
             let k = known.unwrap_or(so_far.len());
             if known.is_none() {
-                so_far.push(FrictionUse {
-                    boundary: resultant.boundary.clone(),
-                    largest: 0.0,
-                    time: *time,
-                    slips_from: None,
-                    slips_wholly_from: None,
-                    end: slip,
-                });
+                so_far.push(new());
             }
             let of = &mut so_far[k];
+            if of.friction_limit < NO_FRICTION * limit {
+                *of = new();
+            }
+            of.friction_limit = of.friction_limit.max(*limit);
+            of.end = slip;
+            if *limit < NO_FRICTION * of.friction_limit {
+                continue;
+            }
             if !is_as_large(of.largest, used) {
                 (of.largest, of.time) = (used, *time);
             }
-            of.end = slip;
             let is_whole = slip == ContactSlip::Whole;
             if is_whole || slip == ContactSlip::Partial {
                 of.slips_from.get_or_insert(*time);

@@ -171,7 +171,8 @@ impl KeyWatch {
         }
         self.work += step.record.friction_work;
         FrictionUse::observe(&mut self.friction_use, forces);
-        let first = usize::from(geometry == Geometry::Axisymmetric);
+        // Radial and circumferential forces have no resultant.
+        let with_resultant = if geometry.is_revolved() { 1..2 } else { 0..3 };
         for (k, ForceRecord { time, resultant, .. }) in forces.iter().enumerate() {
             let (boundary, time) = (resultant.boundary.clone(), *time);
             let [t, o] = [resultant.sums.sum_p_t, resultant.sums.sum_p_o.unwrap_or(0.0)];
@@ -191,12 +192,14 @@ impl KeyWatch {
                 let along = [t / magnitude, o / magnitude, 0.0];
                 self.holding = Some((holding, Moment::new(k, step, true, along)));
             }
-            let magnitude = resultant.force[first..].iter().map(|f| f * f).sum::<f64>().sqrt();
+            let mut along = [0.0; 3];
+            let force = resultant.force.iter().zip(&mut along).enumerate();
+            force.filter(|(c, _)| with_resultant.contains(c)).for_each(|(_, (f, along))| *along = *f);
+            let magnitude = along.iter().map(|f| f * f).sum::<f64>().sqrt();
             let so_far = self.largest.as_ref().map_or(0.0, |(largest, _)| largest.magnitude);
             if magnitude > rounding && !is_as_large(so_far, magnitude) {
                 let force = resultant.force.clone();
-                let mut along = [0.0; 3];
-                along.iter_mut().zip(&force).skip(first).for_each(|(along, f)| *along = f / magnitude);
+                let along = along.map(|f| f / magnitude);
                 let largest = LargestForce { boundary, force, magnitude, time, mesh_error: None, given: false };
                 self.largest = Some((largest, Moment::new(k, step, false, along)));
             }

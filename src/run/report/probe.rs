@@ -92,7 +92,7 @@ impl ProbeTable {
         }
         let of_probe: BTreeSet<usize> = points.iter().map(|point| point.cell).collect();
         let recovery = StressRecovery::new(model, |e| of_probe.contains(&e));
-        Ok(ProbeTable { name, dimension, points, recovery })
+        Ok(ProbeTable { name, dimension: mesh.components(), points, recovery })
     }
 
     /// Returns the values at the points at the end of a `step` of `model`, which must be the model of the table.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::balance::about_axes;
 use crate::body::contact::ContactBoundary;
 use crate::body::model::{Model, Wrench};
 use crate::solver::history::IncrementView;
@@ -89,6 +90,9 @@ pub struct ForceRecord {
     /// The share of its friction in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_used: Option<f64>,
+    /// `Σ μ p_n`, N.
+    #[serde(skip)]
+    pub(super) friction_limit: f64,
 }
 
 /// The slip of a contact with friction at the end of an increment.
@@ -163,15 +167,14 @@ fn wrench(
     parts: impl Iterator<Item = (usize, f64)>,
     opposite: bool,
 ) -> (Vec<f64>, Vec<f64>) {
-    let dimension = model.mesh.dimension;
     let geometry = model.mesh.geometry;
     let of_row = |(i, part): (usize, f64)| {
         let forces = model.forces_of_rows(state, i).filter(move |(term, _)| term.opposite == opposite);
         forces.map(move |(term, force)| Wrench::at(geometry, term.position, force.map(|f| part * f)))
     };
     let Wrench { force, moment } = parts.flat_map(of_row).sum();
-    let moment = if dimension == 2 { vec![moment[2]] } else { moment.to_vec() };
-    (force[..dimension].to_vec(), moment)
+    let components = model.mesh.components();
+    (force[..components].to_vec(), about_axes(moment, components))
 }
 
 impl ComponentSums {
@@ -183,19 +186,13 @@ impl ComponentSums {
             sums.iter_mut().zip([state.p_n[i], p_t, p_o]).for_each(|(sum, p)| *sum += part * p);
         }
         let [sum_p_n, sum_p_t, sum_p_o] = sums;
-        ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.dimension == 3).then_some(sum_p_o) }
+        ComponentSums { sum_p_n, sum_p_t, sum_p_o: (model.mesh.components() == 3).then_some(sum_p_o) }
     }
 }
 
 impl ContactSlip {
-    /// Returns the slip of a `boundary` with these resultants after a step, and the share of its friction in use; `None`
-    /// without friction.
-    fn of(
-        model: &Model,
-        step: &IncrementView<'_>,
-        boundary: &ContactBoundary,
-        sums: &ComponentSums,
-    ) -> Option<(Self, f64)> {
+    /// Returns the slip of a `boundary` after a step, and the limit of its friction, N; `None` without friction.
+    fn of(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<(Self, f64)> {
         let (mut sticks, mut slips, mut most, mut has_friction) = (false, false, 0.0, false);
         for (i, part) in boundary.shares(&model.contact.nodes).filter(|(i, _)| step.increment.mu[*i] > 0.0) {
             has_friction = true;
@@ -209,8 +206,7 @@ impl ContactSlip {
             (true, true) => ContactSlip::Partial,
             (false, true) => ContactSlip::Whole,
         };
-        let force = sums.sum_p_t.hypot(sums.sum_p_o.unwrap_or(0.0));
-        has_friction.then_some((slip, if most > 0.0 { force / most } else { 0.0 }))
+        has_friction.then_some((slip, most))
     }
 }
 
@@ -220,8 +216,10 @@ impl ForceRecord {
         let (index, time) = (step.record.index, step.record.time);
         let record = |boundary: &ContactBoundary| {
             let resultant = Resultant::of(model, time, step.state, boundary);
-            let (slip_state, friction_used) = ContactSlip::of(model, step, boundary, &resultant.sums).unzip();
-            ForceRecord { index, time, resultant, slip_state, friction_used }
+            let (slip_state, limit) = ContactSlip::of(model, step, boundary).unzip();
+            let force = resultant.sums.sum_p_t.hypot(resultant.sums.sum_p_o.unwrap_or(0.0));
+            let friction_used = limit.map(|limit| if limit > 0.0 { force / limit } else { 0.0 });
+            ForceRecord { index, time, resultant, slip_state, friction_used, friction_limit: limit.unwrap_or(0.0) }
         };
         model.contact.boundaries.iter().map(record).collect()
     }

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use crate::body::contact::ContactNode;
-use crate::body::mesh::Geometry;
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
 use crate::solver::history::Method;
@@ -63,7 +62,7 @@ impl EliminatedUnknown {
     pub fn all(model: &Model, condensed: bool, working_set: Option<&[usize]>) -> Vec<Self> {
         let Model { mesh, problem, contact, .. } = model;
         let contacts = &contact.nodes;
-        let tangential = if mesh.dimension == 2 { "p_t" } else { "p_t and p_o" };
+        let tangential = if mesh.components() == 2 { "p_t" } else { "p_t and p_o" };
         let unreached: usize = contact.boundaries.iter().map(|boundary| boundary.unreached).sum();
         let supported = contact.boundaries.iter().filter_map(|boundary| {
             let nodes = mesh.boundary(&boundary.name)?.nodes();
@@ -84,12 +83,9 @@ impl EliminatedUnknown {
         let layout = Layout::new(problem);
         let of_node = |i: usize| layout.tangential(i).into_iter().flatten().count();
         let apart = layout.tangentials() - nodes.iter().map(|&i| of_node(i)).sum::<usize>();
-        let held_by = match mesh.geometry {
-            Geometry::Cartesian => "held by supports",
-            Geometry::Axisymmetric => "held by supports or on the axis",
-        };
+        let held_by = if mesh.geometry.is_revolved() { "held by supports or on the axis" } else { "held by supports" };
         let counted = [
-            (mesh.nodes.len() * mesh.dimension - problem.displacements(), "u", held_by),
+            (mesh.nodes.len() * mesh.components() - problem.displacements(), "u", held_by),
             (interior, "u", "within the body: condensed, known once those at the contact are"),
             (contacts.len() - nodes.len(), "p_n", OUT_OF_REACH),
             (apart, tangential, OUT_OF_REACH),
@@ -97,7 +93,7 @@ impl EliminatedUnknown {
             (unreached, "p_n", "at nodes that no obstacle ever reaches"),
             (smooth.map(|(contact, _)| free(contact)).sum(), tangential, "at nodes without friction"),
             (
-                frictional.map(|(contact, _)| mesh.dimension - 1 - free(contact)).sum(),
+                frictional.map(|(contact, _)| mesh.components() - 1 - free(contact)).sum(),
                 tangential,
                 "along directions in which supports, or a second obstacle, prevent sliding",
             ),

@@ -33,7 +33,7 @@ impl Vary {
                     .map(|_| scene.description.material.young * 10_f64.powf(by * (random.next() - 0.5)))
                     .collect();
                 let poisson = scene.description.material.poisson;
-                let material = |element: usize| Elasticity::plane_strain(young[element], poisson);
+                let material = |element: usize| Elasticity::isotropic(young[element], poisson);
                 let stiffness = assemble(&model.mesh, &model.constraints.dofs, Element::Bilinear, material)
                     .map_err(ModelError::from)?;
                 model.problem =

@@ -64,7 +64,7 @@ const NU: f64 = 0.3;
 
 /// The energy (J) of the difference of the strains from those of the radial displacement `u` with its `slope`.
 fn off(found: &Solved, u: impl Fn(f64) -> f64, slope: impl Fn(f64) -> f64) -> f64 {
-    let (mesh, law) = (&found.model.mesh, Elasticity::plane_strain(YOUNG, NU));
+    let (mesh, law) = (&found.model.mesh, Elasticity::isotropic(YOUNG, NU));
     let mut all = 0.0;
     for cell in &mesh.cells {
         let nodes = mesh.points(&cell.nodes);

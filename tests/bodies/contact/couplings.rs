@@ -3,7 +3,7 @@
 mod rigid_bodies;
 
 use crate::common::prelude::*;
-use stickslip::body::Part;
+use stickslip::body::{Direction, Held, Part};
 use stickslip::run::report::PointRecord;
 
 scene! {
@@ -230,7 +230,11 @@ material = { young = 2e11, poisson = 0, plane = "stress" }
         .support("thick:left", &[Axis::X, Axis::Y])
         .with_support(Support::new("thin:left", &[Axis::X]))
         .coupling(Coupling::rigid("ends", "ends"))
-        .with_support(Support::new("", &[]).of_coupling("ends", &[Axis::Z]))
+        .with_support(Support {
+            at: Where::Coupling("ends".into()),
+            held: vec![Held { direction: Direction::Rotation(Axis::Z), displacement: 0.0 }],
+            history: None,
+        })
         .load(Load::from(stickslip::body::Action::Force { at: Where::Coupling("ends".into()), force: vec![6e5, 0.0] }));
     let model = Model::build(&both).unwrap();
     assert!(model.constraints.rigid_motions.is_empty(), "{:?}", model.constraints.rigid_motions);

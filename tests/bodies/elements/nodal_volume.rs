@@ -150,7 +150,7 @@ type Case = (fn(Mesh) -> Mesh, Element, &'static [(usize, f64)]);
 #[test]
 fn cooks_membrane() {
     use Element::{BBar, Bilinear, NodalVolume};
-    let law = Elasticity::plane_strain(1.0, 0.4999);
+    let law = Elasticity::isotropic(1.0, 0.4999);
     let as_quadrilaterals = |mesh: Mesh| mesh;
     let as_triangles = Mesh::into_simplices;
     let of_second_order = |mesh: Mesh| mesh.into_simplices().into_second_order();

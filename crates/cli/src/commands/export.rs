@@ -86,7 +86,7 @@ pub(super) fn export_scene(args: &ExportArgs) -> Result<ExitStatus, Failure> {
         math_info: None,
     };
     let help = "export the global form";
-    let file = export(&model.problem, model.mesh.dimension, &found.data(), &found.state, &before, info);
+    let file = export(&model.problem, model.mesh.components(), &found.data(), &found.state, &before, info);
     let mut file = file.map_err(|fault| Failure::input(&fault, &fault.help))?;
     if record.status != Status::Converged {
         file.solution = None;

@@ -54,7 +54,7 @@ impl Kind {
             Kind::Gmsh => &[file!("init", "roller.toml"), file!("init", "roller.geo"), file!("init", "roller.msh")],
             Kind::TwoBodies => &[file!("scenes", "two_blocks.toml")],
             Kind::Bolt => &[file!("scenes", "bolt.toml")],
-            Kind::PressFit => &[file!("tutorials", "press-fit.toml")],
+            Kind::PressFit => &[file!("tutorials", "press-fit.toml"), file!("tutorials", "press-fit-torque.toml")],
             Kind::Fretting => &[file!("tutorials", "fretting.toml")],
             Kind::LapJoint => &[
                 file!("tutorials", "lap-joint.toml"),

@@ -68,7 +68,7 @@ impl Tables {
         let view = View::of(model);
         let names: Vec<&str> = probes.iter().map(|probe| probe.name.as_str()).collect();
         let (head, files) = (view::head(model, view.as_ref(), &names), file_names(names.into_iter()));
-        let forces_header = increments::forces_header(model.mesh.dimension, several, coupled);
+        let forces_header = increments::forces_header(model.mesh.components(), several, coupled);
         Ok(Tables {
             units: model.units(),
             increments: open("increments.csv", &increments::header())?,

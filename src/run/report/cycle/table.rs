@@ -6,7 +6,7 @@ use super::CycleReport;
 use super::node::CycleNode;
 use crate::base::units::UnitSystem;
 
-/// A column of numbers: its name, the number of dimensions from which on it is written, and its value.
+/// A column of numbers: its name, the number of components of forces from which on it is written, and its value.
 type NodeColumn = (&'static str, usize, fn(&CycleNode) -> f64);
 
 const COLUMNS: [NodeColumn; 19] = [
@@ -38,7 +38,7 @@ impl CycleReport {
     pub fn to_csv(&self, units: &UnitSystem) -> String {
         let wears = self.nodes.iter().any(|node| node.wear_depth.is_some());
         let columns = COLUMNS.iter().chain(wears.then_some(&WEAR));
-        let columns: Vec<_> = columns.filter(|(_, dimension, _)| *dimension <= units.dimension).collect();
+        let columns: Vec<_> = columns.filter(|(_, components, _)| *components <= units.components).collect();
         let names: Vec<&str> = columns.iter().map(|column| column.0).collect();
         let written = Columns::new(units, names.iter().copied());
         let row = |node: &CycleNode| {

@@ -212,9 +212,11 @@ fn print_largest(report: &RunReport) {
         let from = |nodes: &str, time: Option<f64>| time.map(|t| format!("{nodes} slip from {} s", six_digits(t)));
         let ways = [from("some nodes", used.slips_from), from("all", used.slips_wholly_from)].into_iter().flatten();
         let slips = ways.reduce(|some, all| format!("{some}, {all}")).unwrap_or("no node slips".to_string());
+        let limit = units.rounded(Quantity::Force, used.friction_limit, DIGITS);
         let (boundary, end) = (&used.boundary, format!("{:?}", used.end).to_lowercase());
         row!(
-            "slip         {share} of the friction in use at most on `{boundary}`, at t = {at} s; {slips}; at the end {end}"
+            "slip         {share} of the friction in use at most on `{boundary}`, at t = {at} s, of {limit} at most; {slips}; \
+             at the end {end}"
         );
     }
     if let Some(FrictionResult { friction_work, time_error, .. }) = report.friction {
