@@ -151,6 +151,7 @@ impl Run<'_> {
             largest_force: key.largest_force(),
             holding_force: key.holding_force(estimates),
             friction_use: key.friction_use(),
+            pretension_forces: watches.pretensions,
             friction: key.friction(estimates),
             stick_zone: estimates.stick_zone().cloned(),
             cycle: watches.cycle.as_ref().and_then(|cycle| cycle.report(model)),

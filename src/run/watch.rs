@@ -6,7 +6,9 @@ use super::checks::{BalanceWatch, Checks};
 use super::force_jumps::JumpDetector;
 use super::recording::RecordedIncrement;
 use crate::body::model::Model;
-use crate::run::report::{BalanceRecord, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch};
+use crate::run::report::{
+    BalanceRecord, CycleWatch, EstimateWatch, ForceRecord, HistoryCurves, KeyWatch, PretensionForce,
+};
 use crate::solver::checkpoint::{Checkpoint, CheckpointError};
 use crate::solver::events::Event;
 use crate::solver::history::{IncrementRecord, IncrementView, Observer, Status};
@@ -48,6 +50,7 @@ pub(super) struct Watches {
     pub balance: BalanceWatch,
     pub curves: HistoryCurves,
     pub key: KeyWatch,
+    pub pretensions: Vec<PretensionForce>,
     /// The load cycle, if one is asked for.
     pub cycle: Option<CycleWatch>,
     pub jumps: JumpDetector,
@@ -167,6 +170,7 @@ impl Observer for ReportCollector<'_, '_> {
         watches.key.observe(model.mesh.geometry, step, &forces);
         if let Some(reactions) = &reactions {
             watches.balance.observe(reactions);
+            PretensionForce::observe(&mut watches.pretensions, reactions, &model.description().pretensions);
         }
         match self.sink {
             Sink::RecordWriter(writer) => writer.add(step.record, &forces, reactions.as_ref()),

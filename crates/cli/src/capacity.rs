@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 
 use stickslip::base::within;
 use stickslip::body::Against;
-use stickslip::run::report::{JointSlip, RunReport};
+use stickslip::run::report::{ForceRecord, JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Observer, Status};
@@ -31,6 +31,8 @@ pub struct Capacity {
     /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint slips;
     /// `None` if the joint does not slip as a whole.
     pub between: Option<[f64; 2]>,
+    /// The first contact that carries force at the end of the history itself and none later, with the factor of the load.
+    pub opens: Option<(String, f64)>,
     /// The report of the run.
     pub report: RunReport,
 }
@@ -46,23 +48,47 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         Err(message) => return Ok(Err(message)),
     };
     let of_load = |slip: &JointSlip| slip.factors.iter().find(|changing| changing.load == load).map(|of| of.between);
-    let mut runs = 0;
-    loop {
-        runs += 1;
+    let factor_at = |longer: &Scene, time: f64| {
+        let history = longer.description.loads[load].factors(longer.description.end());
+        within(time, &history).last().map_or(0.0, |[_, factor]| factor / last)
+    };
+    let opens = |longer: &Scene, report: &RunReport| {
+        let (before, after): (Vec<_>, Vec<_>) =
+            report.forces.iter().partition(|record: &&ForceRecord| record.time <= scene.time.end);
+        let pressed = |name: &str| {
+            let last = before.iter().rfind(|record| record.resultant.boundary == name);
+            last.is_some_and(|record| record.resultant.sums.sum_p_n > 0.0)
+        };
+        let has_opened =
+            |record: &&ForceRecord| record.resultant.sums.sum_p_n == 0.0 && pressed(&record.resultant.boundary);
+        let first = after.into_iter().find(has_opened)?;
+        Some((first.resultant.boundary.clone(), factor_at(longer, first.time)))
+    };
+    let mut known: Option<Capacity> = None;
+    for _ in 0..RUNS {
         let report = Run::new(&longer)?.solve(observer)?;
         let slip = report.explanation.slip.as_ref();
         let is_exact = scene.solver.method.is_exact_path();
         let between = slip.and_then(of_load).map(|[holds, slips]| [holds, if is_exact { holds } else { slips }]);
         let between = between.map(|factors| factors.map(|factor| factor / last));
-        let is_close = between.is_none_or(|[holds, slips]| slips - holds <= CLOSE * slips);
-        if let (Some(slip), false, false) = (slip, is_close, runs == RUNS) {
+        if let (Some([holds, slips]), Some(slip)) = (between, slip) {
             let [from, by] = slip.between;
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
-            continue;
+            known = Some(Capacity { load, between, opens: opens(&longer, &report), report });
+            if slips - holds <= CLOSE * slips {
+                break;
+            }
+        } else if let Some(Capacity { between: Some([holds, slips]), .. }) = &mut known {
+            // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
+            let reached = report.increments.iter().rfind(|record| record.status == Status::Converged);
+            *holds = reached.map_or(*holds, |record| factor_at(&longer, record.time).clamp(*holds, *slips));
+            break;
+        } else {
+            return Ok(Ok(Capacity { load, between, opens: opens(&longer, &report), report }));
         }
-        return Ok(Ok(Capacity { load, between, report }));
     }
+    Ok(known.ok_or_else(|| "no run was asked for".to_string()))
 }
 
 /// Lets the history go on while the load doubles. Returns its factor at the end so far.
@@ -126,7 +152,7 @@ impl Capacity {
     /// Returns the capacity in a sentence, with the motion.
     pub fn sentence(&self) -> String {
         let (load, most) = (self.load, 1 << DOUBLINGS);
-        match (self.between, &self.report.explanation.slip, self.report.status) {
+        let found = match (self.between, &self.report.explanation.slip, self.report.status) {
             (Some([holds, slips]), Some(slip), _) => {
                 let motion = &slip.motion;
                 format!("load[{load}] times {holds:.4} holds; beyond {slips:.4} the joint slips as a whole: {motion}")
@@ -139,7 +165,10 @@ impl Capacity {
             (_, _, status) => {
                 format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
             }
-        }
+        };
+        let opens =
+            |(name, factor): &(String, f64)| format!("{found}; `{name}` is open by load[{load}] times {factor:.4}");
+        self.opens.as_ref().map_or_else(|| found.clone(), opens)
     }
 
     /// Returns the capacity as one JSON object.
@@ -149,6 +178,7 @@ impl Capacity {
             "load": self.load,
             "safety": self.between.map(|[holds, _]| holds),
             "between": self.between,
+            "opens": self.opens.as_ref().map(|(boundary, factor)| json!({ "boundary": boundary, "factor": factor })),
             "status": self.report.status,
             "message": self.sentence(),
             "slip": self.report.explanation.slip,

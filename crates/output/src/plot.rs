@@ -102,10 +102,13 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
         marker: None,
         colour,
     };
+    // With torsion the friction bound is one for the magnitude.
+    let tangential: fn(&ContactPoint) -> f64 =
+        if units.components == 3 { |p| p.sigma_t.hypot(p.sigma_o) } else { |p| p.sigma_t };
     let marked = marked(points);
     let nodes = |status, marker| Curve {
         label: String::new(),
-        points: marked.iter().filter(|p| p.status == status).map(|p| in_units((along.of)(p), p.sigma_t)).collect(),
+        points: marked.iter().filter(|p| p.status == status).map(|p| in_units((along.of)(p), tangential(p))).collect(),
         line: None,
         marker: Some(marker),
         colour: TANGENTIAL,
@@ -122,7 +125,7 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
         nodes(ContactStatus::Stick, Marker::Disc),
         nodes(ContactStatus::Slip, Marker::Circle),
         stress("σₙ, normal", Dash::Dotted, 2.2, NORMAL, |p| p.sigma_n),
-        stress("σₜ, tangential", Dash::Solid, 1.8, TANGENTIAL, |p| p.sigma_t),
+        stress("σₜ, tangential", Dash::Solid, 1.8, TANGENTIAL, tangential),
         stress("±μ σₙ", Dash::Dashed, 1.0, BOUND, |p| p.mu * p.sigma_n),
         stress("±μ σₙ", Dash::Dashed, 1.0, BOUND, |p| -p.mu * p.sigma_n),
         sample("stick", Marker::Disc),
@@ -163,7 +166,9 @@ fn largest_pressure(points: &[ContactPoint], along: &Abscissa, units: &UnitSyste
 /// Creates the panel of slip and gap. A gap far larger than the slip leaves the panel.
 fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Panel {
     let most = |value: fn(&ContactPoint) -> f64| points.iter().map(value).fold(0.0, f64::max);
-    let (slip, gap) = (most(|p| p.slip_t.abs()), most(|p| p.gap));
+    let slipped: fn(&ContactPoint) -> f64 =
+        if units.components == 3 { |p| p.slip_t.hypot(p.slip_o) } else { |p| p.slip_t };
+    let (slip, gap) = (points.iter().map(|p| slipped(p).abs()).fold(0.0, f64::max), most(|p| p.gap));
     let top = if slip > NO_SLIP * gap { gap.min(HIGHEST_GAP * slip) } else { gap };
     let rounding = ROUNDING * points.last().zip(points.first()).map_or(0.0, |(last, first)| last.s - first.s);
     let shown = |value: f64| if value.abs() <= rounding { 0.0 } else { value };
@@ -178,7 +183,7 @@ fn motion(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Pane
     };
     let of =
         |value: fn(&ContactPoint) -> f64| points.iter().map(|p| [(along.of)(p), shown(value(p))]).collect::<Vec<_>>();
-    let slip = curve("slip distance", Dash::Solid, SLIP, of(|p| p.slip_t));
+    let slip = curve("slip distance", Dash::Solid, SLIP, of(slipped));
     let gaps = below(&of(|p| p.gap), top).into_iter().map(|part| curve("gap", Dash::DashDotted, GAP, part));
     Panel {
         curves: [slip].into_iter().chain(gaps).collect(),

@@ -419,8 +419,8 @@ impl ObstacleError {
                  bore or wedge may be anywhere, and is a ring"
             }
             ObstacleError::TurnsRound => {
-                "remove motion.rotation: what turns about the axis rubs across the section, which is not computed, and what turns \
-                 about anything else is no obstacle of revolution"
+                "remove motion.rotation: with material.plane = \"axisymmetric-torsion\" the body turns by a coupling in place of \
+                 the obstacle, and what turns about another axis is no obstacle of revolution"
             }
             ObstacleError::MovesAside(_) => {
                 "let it move along y: by motion.translation, or by approach with the normal [0, 1] or [0, -1]; an interference of \

@@ -400,6 +400,7 @@ impl Model {
             return Vec::new();
         }
         let all = self.constraints.displaced(t, &state.u);
+        let is_revolved = self.mesh.geometry.is_revolved();
         let Description { loads, supports, springs, couplings, .. } = &self.description;
         let [of_loads, of_supports, of_springs] = acting;
         let one = |(k, coupling): (usize, &Coupling)| {
@@ -411,6 +412,7 @@ impl Model {
             let Wrench { force, moment } = wrenches.chain(of_springs.map(|(_, w)| *w)).sum();
             let position = self.constraints.couplings.all[k].position;
             let moment = minus(moment, cross(position, force));
+            let [force, moment] = [force, moment].map(|of| if is_revolved { [0.0, of[1], 0.0] } else { of });
             (Wrench { force, moment }, self.constraints.couplings.motion(&self.mesh, &self.constraints.dofs, k, &all))
         };
         couplings.iter().enumerate().map(one).collect()

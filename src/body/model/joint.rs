@@ -258,7 +258,7 @@ fn normal(mesh: &Mesh, boundary: &Boundary, of: usize) -> Result<[f64; 3], Input
     Ok(normal)
 }
 
-/// Returns the centroid of a boundary, m.
+/// Returns the centroid of a boundary, m; of a body of revolution on its axis.
 fn centre(mesh: &Mesh, boundary: &Boundary) -> [f64; 3] {
     let (mut sum, mut whole) = ([0.0; 3], 0.0);
     for facet in &boundary.facets {
@@ -266,7 +266,8 @@ fn centre(mesh: &Mesh, boundary: &Boundary) -> [f64; 3] {
         let middle = facet.iter().fold([0.0; 3], |sum, node| plus(sum, 1.0 / facet.len() as f64, mesh.nodes[*node]));
         (sum, whole) = (plus(sum, area, middle), whole + area);
     }
-    sum.map(|x| if whole > 0.0 { x / whole } else { x })
+    let centre = sum.map(|x| if whole > 0.0 { x / whole } else { x });
+    if mesh.geometry.is_revolved() { [0.0, centre[1], 0.0] } else { centre }
 }
 
 /// Returns `mesh` with the nodes of `opposite` moved in front of the other side of the pair; `None` without a shift.

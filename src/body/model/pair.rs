@@ -6,6 +6,7 @@ use super::coupling::Couplings;
 use super::find;
 use super::holding::{self, Holding};
 use super::joint::{self, Joints};
+use super::place::suits;
 use crate::algebra::vector::{across, axis, dot, minus, norm, plus, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
@@ -396,6 +397,9 @@ fn pair(
     let moved = joint::shifted(mesh, opposite, second);
     let mesh = moved.as_ref().unwrap_or(mesh);
     let units = description.system(mesh.dimension);
+    if let Some(direction) = opposite.direction.filter(|_| mesh.dimension == 2) {
+        suits(mesh, direction, &format!("{key}.direction"))?;
+    }
     let direction = opposite.direction.map(|direction| unit(direction.components()));
     let options = MortarOptions { search: opposite.search, direction };
     let refused = |fault: MortarFault| {

@@ -25,7 +25,10 @@ pub(super) struct LargeDisplacements(pub(super) Largest<[f64; 3]>);
 
 impl Check for LargeDisplacements {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, _: &SoFar) {
-        for (position, u) in model.mesh.nodes.iter().zip(model.displaced(step.record.time, &step.state.u)) {
+        let is_revolved = model.mesh.geometry.is_revolved();
+        for (position, mut u) in model.mesh.nodes.iter().zip(model.displaced(step.record.time, &step.state.u)) {
+            // A body of revolution may turn by any angle.
+            u[2] = if is_revolved { 0.0 } else { u[2] };
             // No length exceeds the sum of its components, which is faster to compute.
             let largest = self.0.0.map_or(-1.0, |(length, ..)| length);
             if u.iter().map(|u| u.abs()).sum::<f64>() > largest {

@@ -9,7 +9,7 @@ kinds! {
     /// than 5 % of its limit; or nodes begin to stick in at most 3 increments of a load direction, too few for an estimate.
     INCREMENTS_FORCE("increments-force", "More increments; a constant first stage.", "tangential forces do not matter");
     /// More than 10 % of the friction work is due to increments.
-    INCREMENTS_WORK("increments-work", "More increments, or the corrected value; loads and interference that grow from 0.",
+    INCREMENTS_WORK("increments-work", "More increments, or the corrected value; loads that grow from 0; interference that is fitted without friction.",
         "the work does not matter");
 }
 
@@ -56,8 +56,8 @@ fn work(found: &IncrementError, is_loaded: bool, units: &UnitSystem) -> String {
     let stays = if is_loaded { found.first_work_error } else { 0.0 };
     let cure = if stays.abs() > WORK {
         format!(
-            "more increments leave {:+.0} %: let the loads or interference at t = 0 grow from 0; contact.adjust removes \
-             overlaps of the drawing",
+            "more increments leave {:+.0} %: let loads at t = 0 grow from 0; fit interference without \
+             friction (contact.friction_history)",
             100.0 * stays
         )
     } else {
@@ -76,8 +76,8 @@ fn of_start(error: f64) -> String {
     format!(
         "loads or interference exist at t = 0, and the first increment applies them together with later changes: \
          the friction error from there on is {:.0} % of the largest possible friction. Begin with a constant \
-         stage, as in history = [[0, 1], [1, 1], [2, 0]], or let them grow from 0; contact.adjust removes overlaps of the \
-         drawing",
+         stage, as in history = [[0, 1], [1, 1], [2, 0]], let loads grow from 0, or fit interference without friction \
+         (contact.friction_history)",
         100.0 * error
     )
 }

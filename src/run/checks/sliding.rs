@@ -25,11 +25,14 @@ const LARGE: f64 = 0.1;
 pub(super) fn slid(model: &Model, step: &IncrementView<'_>) -> Option<(f64, Warning)> {
     let (time, contacts) = (step.record.time, &model.contact.nodes);
     let drift = [0, 1].map(|k| model.loading.drift_at(time, k));
+    let is_revolved = model.mesh.geometry.is_revolved();
     let closed = (0..contacts.len()).filter(|&i| step.statuses[i] != ContactStatus::Open);
     let slid = |i: usize| {
         let coupled = contacts[i].coupled()?;
         let [w_t, w_o] = model.problem.tangential_maps().map(|map| map.dot(i, &step.state.u));
-        let slip = (w_t - drift[0][i]).hypot(w_o - drift[1][i]);
+        // Around its axis a body of revolution meets the same facets.
+        let across = contacts[i].facing.tangents.map(|tangent| if is_revolved { 1.0 - tangent[2].abs() } else { 1.0 });
+        let slip = (across[0] * (w_t - drift[0][i])).hypot(across[1] * (w_o - drift[1][i]));
         let edge = model.contact.pairs[coupled.pair].edges.get(&contacts[i].node)?;
         Some((slip / edge, slip, i))
     };

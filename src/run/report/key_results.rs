@@ -173,11 +173,10 @@ impl KeyWatch {
         FrictionUse::observe(&mut self.friction_use, forces);
         // Radial and circumferential forces have no resultant.
         let with_resultant = if geometry.is_revolved() { 1..2 } else { 0..3 };
-        for (k, ForceRecord { time, resultant, .. }) in forces.iter().enumerate() {
+        for (k, ForceRecord { time, resultant, tangential: [t, o], .. }) in forces.iter().enumerate() {
             let (boundary, time) = (resultant.boundary.clone(), *time);
-            let [t, o] = [resultant.sums.sum_p_t, resultant.sums.sum_p_o.unwrap_or(0.0)];
             let rounding = NO_RESULTANT * resultant.sums.sum_p_n.abs();
-            let magnitude = t.hypot(o);
+            let magnitude = t.hypot(*o);
             let so_far = self.holding.as_ref().map_or(0.0, |(holding, _)| holding.magnitude);
             // The first of equally large forces counts.
             if magnitude > rounding && !is_as_large(so_far, magnitude) {

@@ -44,7 +44,7 @@ const FIELDS: &Table = &[
 const KEYS: &Table = &[
     (Length, "position length linearised exact element_size half_width least_gap largest_gap overlap"),
     (Length, "slip_range slip_net displacement shortening"),
-    (Force, "force normal_force magnitude friction_limit sum_p_n sum_p_t sum_p_o"),
+    (Force, "force normal_force magnitude friction_limit locked_force force_range sum_p_n sum_p_t sum_p_o"),
     (Moment, "moment"),
     (Energy, "friction_work friction_work_corrected strain_energy"),
     (Stress, "pressure mean_pressure peak_pressure patch_pressure"),

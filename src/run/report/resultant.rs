@@ -87,12 +87,15 @@ pub struct ForceRecord {
     /// The slip of a boundary with friction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub slip_state: Option<ContactSlip>,
-    /// The share of its friction in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`.
+    /// The share of its friction in use, the magnitude of `tangential` by `Σ μ p_n`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_used: Option<f64>,
     /// `Σ μ p_n`, N.
     #[serde(skip)]
     pub(super) friction_limit: f64,
+    /// `Σ p_t` and `Σ p_o`, N; for a body of revolution without radial forces, which have no resultant.
+    #[serde(skip)]
+    pub(super) tangential: [f64; 2],
 }
 
 /// The slip of a contact with friction at the end of an increment.
@@ -191,14 +194,24 @@ impl ComponentSums {
 }
 
 impl ContactSlip {
-    /// Returns the slip of a `boundary` after a step, and the limit of its friction, N; `None` without friction.
-    fn of(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<(Self, f64)> {
+    /// Returns the slip of a `boundary` after a step, the limit of its friction, N, and the tangential resultant; `None`
+    /// without friction.
+    fn of(model: &Model, step: &IncrementView<'_>, boundary: &ContactBoundary) -> Option<(Self, f64, [f64; 2])> {
         let (mut sticks, mut slips, mut most, mut has_friction) = (false, false, 0.0, false);
+        let mut tangential = [0.0; 2];
         for (i, part) in boundary.shares(&model.contact.nodes).filter(|(i, _)| step.increment.mu[*i] > 0.0) {
+            let contact = &model.contact.nodes[i];
+            // A node on the axis of a body of revolution, or between supports, cannot slide.
+            if contact.tangents.iter().all(Vec::is_empty) {
+                continue;
+            }
             has_friction = true;
             sticks |= step.statuses[i] == ContactStatus::Stick;
             slips |= step.statuses[i] == ContactStatus::Slip;
             most += part * step.increment.mu[i] * step.state.p_n[i].max(0.0);
+            let along = if model.mesh.geometry.is_revolved() { contact.frame[0][1] } else { 1.0 };
+            let [p_t, p_o] = contact.in_frame([step.state.p_t[i], step.state.p_o[i]]);
+            tangential = [tangential[0] + part * along * p_t, tangential[1] + part * p_o];
         }
         let slip = match (sticks, slips) {
             (false, false) => ContactSlip::Open,
@@ -206,7 +219,7 @@ impl ContactSlip {
             (true, true) => ContactSlip::Partial,
             (false, true) => ContactSlip::Whole,
         };
-        has_friction.then_some((slip, most))
+        has_friction.then_some((slip, most, tangential))
     }
 }
 
@@ -216,10 +229,11 @@ impl ForceRecord {
         let (index, time) = (step.record.index, step.record.time);
         let record = |boundary: &ContactBoundary| {
             let resultant = Resultant::of(model, time, step.state, boundary);
-            let (slip_state, limit) = ContactSlip::of(model, step, boundary).unzip();
-            let force = resultant.sums.sum_p_t.hypot(resultant.sums.sum_p_o.unwrap_or(0.0));
-            let friction_used = limit.map(|limit| if limit > 0.0 { force / limit } else { 0.0 });
-            ForceRecord { index, time, resultant, slip_state, friction_used, friction_limit: limit.unwrap_or(0.0) }
+            let slip = ContactSlip::of(model, step, boundary);
+            let (slip_state, friction_used) =
+                slip.map(|(slip, limit, [t, o])| (slip, if limit > 0.0 { t.hypot(o) / limit } else { 0.0 })).unzip();
+            let (_, friction_limit, tangential) = slip.unwrap_or((ContactSlip::Open, 0.0, [0.0; 2]));
+            ForceRecord { index, time, resultant, slip_state, friction_used, friction_limit, tangential }
         };
         model.contact.boundaries.iter().map(record).collect()
     }

@@ -11,6 +11,7 @@ use super::history_curves::HistoryCurves;
 use super::key_results::{FrictionResult, HoldingForce, LargestForce};
 use super::pairs::PairRecord;
 use super::peak::LargestPressure;
+use super::pretension_force::PretensionForce;
 use super::quantities::{self, UnitNames};
 use super::resultant::{ComponentSums, ForceRecord, Resultant};
 use super::unknowns::{EliminatedUnknown, Unknowns};
@@ -77,6 +78,9 @@ pub struct RunReport {
     /// The use of the friction of each contact that has some.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub friction_use: Vec<FrictionUse>,
+    /// The force of each pretension.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pretension_forces: Vec<PretensionForce>,
     /// The friction work, if anything slipped.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub friction: Option<FrictionResult>,

@@ -147,3 +147,29 @@ fn a_pressed_sphere_is_turned() {
     let share = moment / (3.0 * PI / 16.0 * 0.3 * press * radius);
     assert!((share - 1.0).abs() < 2e-3, "{share}");
 }
+
+/// The torque passes through a tightened section, about the axis; contact along a direction out of the section is refused.
+#[test]
+fn a_section_carries_the_torque() {
+    let part = |name: &str, y: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\nmesh = {{ kind = \"block\", origin = [1, {y}], size = [1, 1], elements = [2, 2] }}\n\
+             material = {{ young = 2.5, poisson = 0.25, plane = \"axisymmetric-torsion\" }}\n"
+        )
+    };
+    let text = part("lower", 0.0)
+        + &part("upper", 1.0)
+        + "[[contact]]\nboundary = \"lower:top\"\nagainst = \"upper:bottom\"\nglue = true\n\
+           [[pretension]]\nname = \"section\"\nboundary = \"lower:top\"\nshortening = 1e-3\n\
+           [[support]]\nboundary = \"lower:bottom\"\nfix = [\"y\", \"z\"]\n\
+           [[coupling]]\nname = \"end\"\nboundary = \"upper:top\"\n\
+           [[load]]\ncoupling = \"end\"\nmoment = 1e-3\n\
+           [time]\nend = 1\nincrements = 1\n";
+    let (_, report) = solved_by_bn(&parsed(&text).description, &mut ());
+    let moment = &report.reactions[0].pretensions[0].moment;
+    assert!((moment[1] / 1e-3 - 1.0).abs() < 1e-9 && moment[0] == 0.0, "{moment:?}");
+    let inclined = text.replace("glue = true", "friction = 0\ndirection = [0, 1, 0.1]");
+    let inclined =
+        inclined.replace("[[pretension]]\nname = \"section\"\nboundary = \"lower:top\"\nshortening = 1e-3\n", "");
+    says(&refused(&inclined), "direction has 3 components", "[x, y]");
+}

@@ -154,6 +154,10 @@ fn a_joint_follows_its_diagram() {
         near(section(&report, 4).normal_force, force + service / (1.0 + ratio), 1e-9);
         near(section(&report, 4).shortening, section(&report, 2).shortening, 1e-12);
         near(section(&report, 6).normal_force, 4.0 * service, 1e-9);
+        let bolt = &report.pretension_forces[0];
+        near(bolt.locked_force.unwrap(), force, 1e-9);
+        near(bolt.force_range[0], force, 1e-9);
+        near(bolt.force_range[1], 4.0 * service, 1e-9);
     }
 }
 

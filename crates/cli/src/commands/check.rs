@@ -118,6 +118,7 @@ fn body(scene: &Scene, model: &Model) {
         (2, Plane::Strain) => format!("plane strain, {thick}"),
         (2, Plane::Stress) => format!("plane stress, {thick}"),
         (2, Plane::Axisymmetric) => "axisymmetric about x = 0, forces all around".to_string(),
+        (2, Plane::Torsion) => "axisymmetric about x = 0 with torsion, forces all around".to_string(),
         _ => "three dimensions".to_string(),
     };
     let modulus = |young: f64| rounded(&units, Quantity::Stress, young);
@@ -250,7 +251,7 @@ fn contacts(scene: &Scene, model: &Model) {
                 0 => String::new(),
                 rest => format!("; {rest} nodes have no friction or cannot slide"),
             };
-            let along = match model.mesh.dimension {
+            let along = match model.mesh.components() {
                 2 => "p_t".to_string(),
                 _ => format!("p_t and p_o; {} nodes slide in a plane", with(&|i| layout.slides_in_a_plane(i))),
             };
@@ -265,7 +266,7 @@ fn loads(scene: &Scene, model: &Model) {
         // A temperature and a moment have no resulting force.
         let sum = match load.action {
             Action::Temperature { .. } | Action::Moment { .. } => String::new(),
-            _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.dimension])),
+            _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.components()])),
         };
         row!(
             "load         {}: {}{sum}; factor {}",

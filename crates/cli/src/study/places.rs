@@ -14,7 +14,7 @@ pub struct Places {
     kinds: BTreeMap<String, Vec<&'static str>>,
     /// The most contacts of a scene.
     contacts: usize,
-    /// `true` if a scene is in space, or may be: the dimension of a mesh file is not known before it is read.
+    /// `true` if forces of a scene have three components, or may have: the dimension of a mesh file is not known before it is read.
     in_space: bool,
 }
 
@@ -22,7 +22,8 @@ impl Places {
     /// Adds the places of a scene.
     pub fn add(&mut self, description: &Description) {
         self.contacts = self.contacts.max(description.contacts.len());
-        self.in_space |= description.mesh.nodes().is_none_or(|(_, dimension)| dimension == 3);
+        self.in_space |=
+            description.mesh.nodes().is_none_or(|(_, dimension)| description.system(dimension).components == 3);
         // The coordinates of a point do not depend on the dimension.
         let units = description.system(3);
         let sides = |contact: &Contact| match &contact.against {

@@ -59,6 +59,9 @@ impl Job {
             command.env(format!("OMPI_{name}"), "1");
         }
         command.env("OMPI_MCA_hwloc_base_binding_policy", "none");
+        // The same for Open MPI 5.
+        command.env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe");
+        command.env("PRTE_MCA_hwloc_default_binding_policy", "none");
         // Variables that cargo sets for the tests would affect the launcher.
         command.env_remove("LD_LIBRARY_PATH").stdin(Stdio::null());
         command.args(["-n", &count.to_string(), program]);

@@ -90,3 +90,27 @@ fn friction_and_obstacles_stay_as_they_are_at_the_end() {
         assert!(holds <= 3.003 && slips >= 2.997 && slips / holds < 1.003, "{later}: {found}");
     }
 }
+
+/// A press fit under a pull, of which less than the friction is left for the torque; close to it a run may fail.
+#[test]
+fn a_fit_under_torque_has_a_capacity() {
+    let fit = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/tutorials/press-fit-torque.toml");
+    for (change, expected) in [("load[1].force=[0,20e3,0]", 873.5), ("load[1].force=[0,0,0]", 975.3)] {
+        for friction in ["contact.friction_history=[[0,1e-3],[0.9,1e-3],[1,1]]", "contact.friction_history=[[0,1]]"] {
+            let options = ["capacity", fit, "--json", "--load", "0", "--set", change, "--set", friction];
+            let found: Value = serde_json::from_slice(&stickslip(&options).stdout).unwrap();
+            let [holds, slips] = [0, 1].map(|k| 500.0 * found["between"][k].as_f64().unwrap_or(f64::NAN));
+            assert!(holds < 1.002 * expected && slips > 0.998 * expected && slips / holds < 1.02, "{change}: {found}");
+        }
+    }
+}
+
+/// A bolt does not slip, but its plates part.
+#[test]
+fn a_joint_that_opens_is_told() {
+    let bolt = concat!(env!("CARGO_MANIFEST_DIR"), "/../../data/scenes/bolt.toml");
+    let output = stickslip(&["capacity", bolt, "--json"]);
+    let found: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(found["opens"]["boundary"], "plate:bottom");
+    assert!((1.2..1.4).contains(&found["opens"]["factor"].as_f64().unwrap()), "{found}");
+}

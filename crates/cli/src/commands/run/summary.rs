@@ -6,8 +6,8 @@ use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, HoldingForce,
-    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
-    Warning,
+    LargestForce, LargestPressure, PointRecord, PretensionForce, RankRecord, Resultant, RunReport, SectionRecord,
+    SlipRegime, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -148,10 +148,16 @@ fn print_forces(scene: &Scene, report: &RunReport) {
         }
     }
     if let Some(BalanceRecord { supports, springs, couplings, pretensions, balance, .. }) = &report.last_reactions {
-        for (kind, AppliedForce { at, force, .. }) in
+        for (kind, AppliedForce { at, force, moment, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
-            row!("{kind:<12} {at}: {} on the body", vector(force));
+            // With torsion the sums of forces around the axis have no meaning, but their torque has.
+            if units.components > units.dimension {
+                let torque = units.rounded(Quantity::Moment, moment[1], FORCE_DIGITS);
+                row!("{kind:<12} {at}: {} and a torque of {torque} on the body", vector(&force[..units.dimension]));
+            } else {
+                row!("{kind:<12} {at}: {} on the body", vector(force));
+            }
         }
         for PointRecord { at, force, moment, displacement, rotation } in couplings {
             let length = report.largest_displacement.as_ref().map_or(0.0, |largest| largest.length);
@@ -169,6 +175,12 @@ fn print_forces(scene: &Scene, report: &RunReport) {
                 |pretension: &Pretension| pretension.name == *at && scene.description.is_periodic(&pretension.boundary);
             let how = if scene.description.pretensions.iter().any(periodic) { "elongated" } else { "shortened" };
             row!("pretension   {at}: {force} across the section, {how} by {shortening}");
+        }
+        for PretensionForce { name, locked_force, force_range, .. } in &report.pretension_forces {
+            let [least, most] = force_range.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS));
+            if let Some(locked) = locked_force.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS)) {
+                row!("             {name}: {locked} at the lock, from {least} to {most} since");
+            }
         }
         row!("balance      the forces on the body balance to {balance:.1e} of their sizes");
     }
