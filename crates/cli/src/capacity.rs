@@ -37,6 +37,23 @@ pub struct Capacity {
     pub report: RunReport,
 }
 
+/// Returns the load of this number, or the only one at a place of this name.
+///
+/// # Errors
+/// In words, without such a load or with several.
+pub fn load(scene: &Scene, name: &str) -> Result<usize, String> {
+    if let Ok(number) = name.parse() {
+        return Ok(number);
+    }
+    let loads = scene.description.loads.iter().map(|load| load.action.location(&scene.description.system(3)));
+    let loads: Vec<String> = loads.collect();
+    match loads.iter().enumerate().filter(|(_, place)| *place == name).collect::<Vec<_>>()[..] {
+        [(k, _)] => Ok(k),
+        [] => Err(format!("there is no load at `{name}`: the scene has loads at {}", loads.join(", "))),
+        _ => Err(format!("there are several loads at `{name}`: give the number of one, from 0")),
+    }
+}
+
 /// Finds the capacity of `scene` for this `load`, by its number from 0. `observer` sees the run, and may stop it.
 ///
 /// # Errors

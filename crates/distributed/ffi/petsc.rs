@@ -7,12 +7,12 @@ use std::process::Command;
 /// The functions that `petsc.rs` calls.
 const ALLOWED: [&str; 9] = [
     "Petsc(InitializeNoArguments|Finalize|LogDefaultBegin|Options(SetValue|Clear|InsertString|HasName|Used)|PushErrorHandler)",
-    "PETSC_(COMM_WORLD|DETERMINE|DEFAULT)|PetscObjectDestroy",
+    "PETSC_(COMM_WORLD|DETERMINE|DEFAULT)|PetscObject(Destroy|Reference)",
     "Mat(Create|SetSizes|SetBlockSize|SetType|SetOption|SetPreallocationCOO|SetValuesCOO|MatMult|Duplicate|AXPY|ZeroEntries)",
-    "Mat(Mult|GetDiagonal|GetRowMaxAbs|GetInfo|GetOwnershipRange|GetRow|RestoreRow|SetNearNullSpace|NullSpaceCreate)",
+    "Mat(Mult|Restrict|Interpolate|CreateVecs|CreateTranspose|GetDiagonal|GetRowMaxAbs|GetInfo|GetOwnershipRange|GetRow|RestoreRow|SetNearNullSpace|NullSpaceCreate)",
     "Mat(CreateComposite|Composite(SetScalings|Merge)|MumpsGetInfog|MumpsGetRinfog|Partitioning(Create|SetAdjacency|SetFromOptions|Apply))",
     "IS(GetIndices|RestoreIndices)",
-    "Vec(Create|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Scatter(CreateToZero|Begin|End))",
+    "Vec(Create|Duplicate|SetRandom|Equal|SetSizes|SetType|GetLocalSize|GetArray|RestoreArray|Scatter(CreateToZero|Begin|End))",
     "PC(Create|SetType|SetOperators|Composite(SetType|AddPC)|Galerkin(SetInterpolation|SetRestriction|GetKSP)|FactorGetMatrix)",
     "KSP(Create|SetOptionsPrefix|SetOperators|GetPC|SetPC|SetFromOptions|SetUp|SetTolerances|Solve|GetConvergedReason|GetIterationNumber)",
 ];

@@ -12,9 +12,9 @@ use crate::capacity;
 pub(super) struct CapacityArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// The load that grows, by its number in the scene from 0
-    #[arg(long, value_name = "NUMBER", default_value_t = 0)]
-    load: usize,
+    /// The load that grows, by its number in the scene from 0, or by its boundary, point or coupling
+    #[arg(long, value_name = "LOAD", default_value = "0")]
+    load: String,
     /// Print only the results, as one JSON object
     #[arg(long)]
     json: bool,
@@ -25,8 +25,9 @@ pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<E
     interrupt::listen();
     let scene = args.scene.read()?;
     linear::process::keep_freed_memory();
-    let found = capacity::compute(&scene, args.load, &mut interrupt::UntilInterrupted)?;
-    let found = found.map_err(|message| Failure::input(message, "name a load that is not 0 at the end with --load"))?;
+    let refused = |message| Failure::input(message, "name a load that is not 0 at the end with --load");
+    let load = capacity::load(&scene, &args.load).map_err(refused)?;
+    let found = capacity::compute(&scene, load, &mut interrupt::UntilInterrupted)?.map_err(refused)?;
     let json = pretty(&changed(found.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n", scene.title);
     text.push_str(&paragraph("safety", &format!("{} against slip as a whole", found.safety())));

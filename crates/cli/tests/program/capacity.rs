@@ -112,5 +112,10 @@ fn a_joint_that_opens_is_told() {
     let output = stickslip(&["capacity", bolt, "--json"]);
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!(found["opens"]["boundary"], "plate:bottom");
+    let by_name = stickslip(&["capacity", bolt, "--json", "--load", "plate:right"]);
+    let by_name: Value = serde_json::from_slice(&by_name.stdout).unwrap();
+    assert_eq!(by_name["opens"], found["opens"]);
+    let wrong = stickslip(&["capacity", bolt, "--load", "plate"]);
+    assert!(wrong.status.code() == Some(2) && String::from_utf8_lossy(&wrong.stderr).contains("plate:right"));
     assert!((1.2..1.4).contains(&found["opens"]["factor"].as_f64().unwrap()), "{found}");
 }

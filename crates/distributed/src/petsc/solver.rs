@@ -48,9 +48,35 @@ impl Cycle {
     pub(crate) fn set(&self, known: &Matrix, [from_all, to_all]: [&Matrix; 2]) -> Result<(), LinearError> {
         call!(ELIMINATING, PCSetOperators(self.known.0, known.0, known.0))?;
         call!(ELIMINATING, PCSetOperators(self.inner.0, known.0, known.0))?;
-        call!(ELIMINATING, PCGalerkinSetRestriction(self.inner.0, from_all.0))?;
-        call!(ELIMINATING, PCGalerkinSetInterpolation(self.inner.0, to_all.0))
+        let [from_all, to_all] =
+            [(from_all, true), (to_all, false)].map(|(way, restricts)| as_multiplied(way, restricts));
+        call!(ELIMINATING, PCGalerkinSetRestriction(self.inner.0, from_all?.0))?;
+        call!(ELIMINATING, PCGalerkinSetInterpolation(self.inner.0, to_all?.0))
     }
+}
+
+/// Returns the matrix by which PETSc multiplies with `way` when it restricts or interpolates. Of a square matrix, some
+/// versions take the transpose.
+fn as_multiplied(way: &Matrix, restricts: bool) -> Result<Matrix, LinearError> {
+    let (mut x, mut product) = (Object(ptr::null_mut()), Object(ptr::null_mut()));
+    call!(ELIMINATING, MatCreateVecs(way.0, &raw mut x.0, &raw mut product.0))?;
+    let applied: Vector = make!(ELIMINATING, VecDuplicate(product.0));
+    call!(ELIMINATING, VecSetRandom(x.0, ptr::null_mut()))?;
+    way.apply(&x, &product)?;
+    if restricts {
+        call!(ELIMINATING, MatRestrict(way.0, x.0, applied.0))?;
+    } else {
+        call!(ELIMINATING, MatInterpolate(way.0, x.0, applied.0))?;
+    }
+    let (mut is_same, mut owned) = (sys::PetscBool_PETSC_FALSE, Object(ptr::null_mut()));
+    call!(ELIMINATING, VecEqual(product.0, applied.0, &raw mut is_same))?;
+    if is_same == sys::PetscBool_PETSC_TRUE {
+        call!(ELIMINATING, PetscObjectReference(way.0.cast()))?;
+        owned.0 = way.0;
+    } else {
+        call!(ELIMINATING, MatCreateTranspose(way.0, &raw mut owned.0))?;
+    }
+    Ok(owned)
 }
 
 /// A solver.
