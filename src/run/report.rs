@@ -39,7 +39,7 @@ pub use key_results::{FrictionResult, HoldingForce, LargestForce};
 pub(super) use largest::is_as_large;
 pub use pairs::PairRecord;
 pub use peak::LargestPressure;
-pub use pretension_force::PretensionForce;
+pub(super) use pretension_force::PretensionForce;
 pub use principal::{principal_stresses, von_mises};
 pub use probe::{ProbeTable, ProbeValue};
 pub use quantities::{

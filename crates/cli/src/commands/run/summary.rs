@@ -6,8 +6,8 @@ use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
     AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, HoldingForce,
-    LargestForce, LargestPressure, PointRecord, PretensionForce, RankRecord, Resultant, RunReport, SectionRecord,
-    SlipRegime, Unknowns, Warning,
+    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
+    Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -176,10 +176,10 @@ fn print_forces(scene: &Scene, report: &RunReport) {
             let how = if scene.description.pretensions.iter().any(periodic) { "elongated" } else { "shortened" };
             row!("pretension   {at}: {force} across the section, {how} by {shortening}");
         }
-        for PretensionForce { name, locked_force, force_range, .. } in &report.pretension_forces {
-            let [least, most] = force_range.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS));
-            if let Some(locked) = locked_force.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS)) {
-                row!("             {name}: {locked} at the lock, from {least} to {most} since");
+        for bolt in &report.pretension_forces {
+            let [least, most] = bolt.force_range.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS));
+            if let Some(locked) = bolt.locked_force.map(|force| units.rounded(Quantity::Force, force, FORCE_DIGITS)) {
+                row!("             {}: {locked} at the lock, from {least} to {most} since", bolt.name);
             }
         }
         row!("balance      the forces on the body balance to {balance:.1e} of their sizes");
