@@ -323,7 +323,7 @@ class Scene:
         scene._name, scene._files = f"{name}.toml", dict(files)
         return scene
 
-    def material(self, *, young: float, poisson: float, plane: Literal["strain", "stress", "axisymmetric"] | None = None, **keys: Any) -> Scene:
+    def material(self, *, young: float, poisson: float, plane: Literal["strain", "stress", "axisymmetric", "axisymmetric-torsion"] | None = None, **keys: Any) -> Scene:
         """The elastic constants.
 
         Parameters
@@ -332,7 +332,7 @@ class Scene:
             Young's modulus, Pa.
         poisson : float
             Poisson's ratio.
-        plane : {"strain", "stress", "axisymmetric"}, optional
+        plane : {"strain", "stress", "axisymmetric", "axisymmetric-torsion"}, optional
             In two dimensions: a long body, a thin plate, or half the section of a body of revolution.
         **keys
             Further keys as scenes have them: ``thickness``, ``density``, ``expansion``, ``layers``.
