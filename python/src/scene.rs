@@ -149,6 +149,12 @@ impl SceneModel {
         self.model.mesh.dimension
     }
 
+    /// The number of components of forces: the dimension, and 3 with torsion.
+    #[getter]
+    fn components(&self) -> usize {
+        self.model.mesh.components()
+    }
+
     /// The thickness of a plane body whose forces are those of the whole body, m; otherwise 1.
     #[getter]
     fn thickness(&self) -> f64 {

@@ -212,13 +212,13 @@ class Fields:
         {'top': (10, 3)}
         """
         model = self._model()
-        dimension = model.dimension
+        components = model._core.components
         size = self.report.get("units", {}).get("force", {}).get("si", 1.0) / model._core.thickness
         forces: dict[str, Array] = {}
         for record in self.report.get("reactions", []):
             seen: set[str] = set()
             for support in record["supports"]:
-                rows = forces.setdefault(support["at"], np.full((len(self.t), dimension), np.nan))
+                rows = forces.setdefault(support["at"], np.full((len(self.t), components), np.nan))
                 row, first = record["index"] - 1, support["at"] not in seen
                 seen.add(support["at"])
                 rows[row] = size * np.array(support["force"]) + (0.0 if first else rows[row])

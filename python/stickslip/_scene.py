@@ -152,12 +152,12 @@ class Model:
         self.title: str = core.title
         self.dimension: int = core.dimension
         self.t: Array = read_only(np.array(core.times))
-        self.problem: ContactProblem = ContactProblem._of(core.problem(), self.dimension - 1)
+        self.problem: ContactProblem = ContactProblem._of(core.problem(), core.components - 1)
         self.points: Array = read_only(core.points())
         contacts = core.contacts()
         self.contact_nodes: Array = read_only(np.array([node for node, _ in contacts], dtype=np.int64))
         self.contact_points: Array = read_only(np.array([x for _, x in contacts]).reshape(-1, 3))
-        self.frames: Array = read_only(np.array(core.frames()).reshape(-1, 3, 3)[:, : self.dimension])
+        self.frames: Array = read_only(np.array(core.frames()).reshape(-1, 3, 3)[:, : core.components])
         self.boundaries: dict[str, Array] = {name: read_only(np.array(nodes, dtype=np.int64)) for name, nodes in core.boundaries()}
         self.cells: list[tuple[str, Array]] = _blocks(core.cells())
 
@@ -214,7 +214,7 @@ class Model:
         ((20, 90), (21, 9))
         """
         raw = self._core.history()
-        drift = np.stack([raw["drift"], raw["drift_o"]][: self.dimension - 1], axis=-1)
+        drift = np.stack([raw["drift"], raw["drift_o"]][: self._core.components - 1], axis=-1)
         force = raw["factors"].reshape(len(self.t), -1) @ raw["cases"]
         history = {"force": force, "gap": raw["gap"], "drift": drift, "mu": raw["mu"], "t": self.t}
         return {name: read_only(table) for name, table in history.items()}
