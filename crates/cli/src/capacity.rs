@@ -31,7 +31,8 @@ pub struct Capacity {
     /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint slips;
     /// `None` if the joint does not slip as a whole.
     pub between: Option<[f64; 2]>,
-    /// The first contact that carries force at the end of the history itself and none later, with the factor of the load.
+    /// The first contact that carries force at the end of the history itself and none later, with the factor of the
+    /// load.
     pub opens: Option<(String, f64)>,
     /// The report of the run.
     pub report: RunReport,
@@ -99,7 +100,7 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         } else if let Some(Capacity { between: Some([holds, slips]), .. }) = &mut known {
             // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
             let reached = report.increments.iter().rfind(|record| record.status == Status::Converged);
-            *holds = reached.map_or(*holds, |record| factor_at(&longer, record.time).clamp(*holds, *slips));
+            *holds = reached.map_or(*holds, |record| factor_at(&longer, record.time).max(*holds).min(*slips));
             break;
         } else {
             return Ok(Ok(Capacity { load, between, opens: opens(&longer, &report), report }));

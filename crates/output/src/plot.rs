@@ -102,7 +102,7 @@ fn curves(points: &[ContactPoint], along: &Abscissa, units: &UnitSystem) -> Vec<
         marker: None,
         colour,
     };
-    // With torsion the friction bound is one for the magnitude.
+    // The friction bound is one for the magnitude of both tangential components.
     let tangential: fn(&ContactPoint) -> f64 =
         if units.components == 3 { |p| p.sigma_t.hypot(p.sigma_o) } else { |p| p.sigma_t };
     let marked = marked(points);

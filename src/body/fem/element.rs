@@ -168,7 +168,8 @@ impl CellPoint {
 /// Computes the stiffness `∫ Bᵀ D B` of a cell with `nodes` (m), N/m; in two dimensions per unit depth, for a body of
 /// revolution over the full circumference.
 ///
-/// Unknowns are `(u_x, u_y)` or, in space and with torsion, `(u_x, u_y, u_z)` node by node. `None` if the element is inverted or degenerate.
+/// Unknowns are `(u_x, u_y)` or, in space and with torsion, `(u_x, u_y, u_z)` node by node. `None` if the element is
+/// inverted or degenerate.
 pub fn element_stiffness(
     kind: CellKind,
     geometry: Geometry,

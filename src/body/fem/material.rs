@@ -386,7 +386,8 @@ pub struct Elasticity {
 }
 
 impl Elasticity {
-    /// Creates the law in three dimensions, in plane strain and of bodies of revolution. `young` in Pa, `-1 < poisson < 0.5`.
+    /// Creates the law in three dimensions, in plane strain and of bodies of revolution. `young` in Pa,
+    /// `-1 < poisson < 0.5`.
     pub fn isotropic(young: f64, poisson: f64) -> Self {
         // 1 - 2ν is exact for ν > 1/4, so that λ keeps its digits for ν arbitrarily close to 1/2.
         let lambda = young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson));

@@ -83,7 +83,7 @@ fn holding(
                 [0.0; 3]
             }
         };
-        if point.is_some() && axisymmetric && n[1] == 0.0 {
+        if point.is_some() && axisymmetric && (n[0] != 0.0 || n[2] != 0.0) {
             if matches!(direction, Direction::Along(_)) {
                 let message = format!("the direction of the support leads `{place}` off the axis of the body");
                 return refused("direction", message, "fix \"y\"");

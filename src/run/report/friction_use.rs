@@ -11,7 +11,8 @@ use super::resultant::{ContactSlip, ForceRecord};
 pub struct FrictionUse {
     /// The boundary.
     pub boundary: String,
-    /// The largest limit of the friction, `Σ μ p_n`, N. Increments with less than a hundredth of it count as without friction.
+    /// The largest limit of the friction, `Σ μ p_n`, N. Increments with less than a hundredth of it count as without
+    /// friction.
     pub friction_limit: f64,
     /// The largest share in use, `|(Σ p_t, Σ p_o)| / Σ μ p_n`: the contact slips as a whole in one direction at 1.
     pub largest: f64,

@@ -17,6 +17,14 @@ fn body(origin: [f64; 2], size: [f64; 2], elements: [usize; 2], (cells, element)
     )
 }
 
+/// One of several bodies, of blocks with this `law`.
+fn part(name: &str, [origin, size]: [[f64; 2]; 2], elements: [usize; 2], law: &str) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\nmesh = {{ kind = \"block\", origin = {origin:?}, size = {size:?}, elements = {elements:?} }}\n\
+         material = {{ {law}, plane = \"axisymmetric-torsion\" }}\n"
+    )
+}
+
 /// The torque on support `k` at the end.
 fn torque(report: &RunReport, k: usize) -> f64 {
     report.reactions.last().unwrap().supports[k].moment[1]
@@ -71,11 +79,10 @@ fn a_cone_converges_with_the_order_of_its_elements() {
 /// A shaft pressed into a hub slips as a whole when `(T / r)² + F² = (μ N)²`, along the direction in which it is moved.
 #[test]
 fn a_fit_slips_along_its_screw() {
-    let text = "[[body]]\nname = \"shaft\"\nmesh = { kind = \"block\", size = [1, 4], elements = [4, 16] }\n\
-         material = { young = 1e3, poisson = 0.3, plane = \"axisymmetric-torsion\" }\n\
-         [[body]]\nname = \"hub\"\nmesh = { kind = \"block\", origin = [1, 1], size = [1, 2], elements = [4, 8] }\n\
-         material = { young = 1e3, poisson = 0.3, plane = \"axisymmetric-torsion\" }\n\
-         [[contact]]\nboundary = \"hub:left\"\nagainst = \"shaft:right\"\ngap = -1e-3\nfriction = 0.1\n\
+    let steel = "young = 1e3, poisson = 0.3";
+    let text = part("shaft", [[0.0, 0.0], [1.0, 4.0]], [4, 16], steel)
+        + &part("hub", [[1.0, 1.0], [1.0, 2.0]], [4, 8], steel)
+        + "[[contact]]\nboundary = \"hub:left\"\nagainst = \"shaft:right\"\ngap = -1e-3\nfriction = 0.1\n\
          [[support]]\nboundary = \"hub:right\"\nfix = [\"y\", \"z\"]\n\
          [[coupling]]\nname = \"end\"\nboundary = \"shaft:top\"\n\
          [time]\nend = 2\nincrements = 20\n";
@@ -83,7 +90,7 @@ fn a_fit_slips_along_its_screw() {
         let moved = format!(
             "[[support]]\ncoupling = \"end\"\nfix = [\"y\", \"rotation_y\"]\ndisplacement = [{pull}, {turn}]\nhistory = [[1, 0], [2, 1]]\n"
         );
-        let report = solved(&parsed(&(text.to_string() + &moved)).description).report;
+        let report = solved(&parsed(&(text.clone() + &moved)).description).report;
         let forces = &report.forces.last().unwrap().resultant;
         let limit = 0.1 * forces.sums.sum_p_n;
         let [force, moment] = [report.reactions.last().unwrap().supports[1].force[1], torque(&report, 1)];
@@ -99,12 +106,7 @@ fn a_fit_slips_along_its_screw() {
 /// A clutch of two plates under a pressure `p` slips at the torque `2/3 π μ p (b³ - a³)`.
 #[test]
 fn a_clutch_slips_at_its_torque() {
-    let plate = |name: &str, y: f64| {
-        format!(
-            "[[body]]\nname = \"{name}\"\nmesh = {{ kind = \"block\", origin = [0.5, {y}], size = [0.5, 0.2], elements = [16, 4] }}\n\
-             material = {{ young = 1e3, poisson = 0, plane = \"axisymmetric-torsion\" }}\n"
-        )
-    };
+    let plate = |name: &str, y: f64| part(name, [[0.5, y], [0.5, 0.2]], [16, 4], "young = 1e3, poisson = 0");
     let text = plate("lower", 0.0)
         + &plate("upper", 0.2)
         + "[[contact]]\nboundary = \"upper:bottom\"\nagainst = \"lower:top\"\nfriction = 0.3\n\
@@ -151,14 +153,9 @@ fn a_pressed_sphere_is_turned() {
 /// The torque passes through a tightened section, about the axis; contact along a direction out of the section is refused.
 #[test]
 fn a_section_carries_the_torque() {
-    let part = |name: &str, y: f64| {
-        format!(
-            "[[body]]\nname = \"{name}\"\nmesh = {{ kind = \"block\", origin = [1, {y}], size = [1, 1], elements = [2, 2] }}\n\
-             material = {{ young = 2.5, poisson = 0.25, plane = \"axisymmetric-torsion\" }}\n"
-        )
-    };
-    let text = part("lower", 0.0)
-        + &part("upper", 1.0)
+    let ring = |name: &str, y: f64| part(name, [[1.0, y], [1.0, 1.0]], [2, 2], "young = 2.5, poisson = 0.25");
+    let text = ring("lower", 0.0)
+        + &ring("upper", 1.0)
         + "[[contact]]\nboundary = \"lower:top\"\nagainst = \"upper:bottom\"\nglue = true\n\
            [[pretension]]\nname = \"section\"\nboundary = \"lower:top\"\nshortening = 1e-3\n\
            [[support]]\nboundary = \"lower:bottom\"\nfix = [\"y\", \"z\"]\n\

@@ -323,6 +323,8 @@ fn faults_name_their_keys() {
     let on_the_axis = edit(&axisymmetric, "boundary = \"right\"", "boundary = \"left\"");
     let on_the_axis = edit(&on_the_axis, "moment = 1000", "force = [0, 1]");
     let on_the_axis = edit(&on_the_axis, "boundary = \"left\"\nfix = [\"x\"]", "boundary = \"bottom\"\nfix = [\"y\"]");
+    let aside = edit(&axisymmetric, "moment = 1000", "force = [0, 1]")
+        + "[[support]]\ncoupling = \"end\"\ndirection = [1, 1]\ndisplacement = 0\n";
     let plate = edit(&PUNCH, "[[coupling]]", "[[coupling]]\nname = \"plate\"\nbody = \"plate\"\n[[coupling]]");
     verify_all(&BEAM, OF_BEAM, refused);
     verify_all(&distributing, OF_DISTRIBUTING, refused);
@@ -330,6 +332,7 @@ fn faults_name_their_keys() {
     verify_all(&axisymmetric, "moment = 1000 | force = [1, 0] | - | along its axis only | [0, y]", refused);
     for (text, message, help) in [
         (&axisymmetric, "does not turn", "remove"),
+        (&aside, "off the axis", "fix \"y\""),
         (&plate, "every node", "elastic"),
         (&on_the_axis, "no area", "name another boundary"),
     ] {

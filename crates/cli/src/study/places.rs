@@ -14,7 +14,8 @@ pub struct Places {
     kinds: BTreeMap<String, Vec<&'static str>>,
     /// The most contacts of a scene.
     contacts: usize,
-    /// `true` if forces of a scene have three components, or may have: the dimension of a mesh file is not known before it is read.
+    /// `true` if forces of a scene have three components, or may have: the dimension of a mesh file is not known before
+    /// it is read.
     in_space: bool,
 }
 

@@ -59,7 +59,7 @@ impl Job {
             command.env(format!("OMPI_{name}"), "1");
         }
         command.env("OMPI_MCA_hwloc_base_binding_policy", "none");
-        // The same for Open MPI 5.
+        // Open MPI 5 has other names for this.
         command.env("PRTE_MCA_rmaps_default_mapping_policy", ":oversubscribe");
         command.env("PRTE_MCA_hwloc_default_binding_policy", "none");
         // Variables that cargo sets for the tests would affect the launcher.

@@ -151,7 +151,7 @@ fn print_forces(scene: &Scene, report: &RunReport) {
         for (kind, AppliedForce { at, force, moment, .. }) in
             supports.iter().map(|support| ("reaction", support)).chain(springs.iter().map(|spring| ("spring", spring)))
         {
-            // With torsion the sums of forces around the axis have no meaning, but their torque has.
+            // Sums of forces around the axis have no meaning, but their torque has.
             if units.components > units.dimension {
                 let torque = units.rounded(Quantity::Moment, moment[1], FORCE_DIGITS);
                 row!("{kind:<12} {at}: {} and a torque of {torque} on the body", vector(&force[..units.dimension]));
