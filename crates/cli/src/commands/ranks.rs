@@ -7,6 +7,7 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use clap::FromArgMatches;
 use stickslip::algebra::NodeRows;
 use stickslip::algebra::linear::LinearError;
+use stickslip::run::RunError;
 use stickslip::solver::history::LinearAlgebra;
 use stickslip_distributed as ranks;
 
@@ -31,14 +32,16 @@ pub(super) fn may_help() -> bool {
 pub(super) fn help() -> Option<ExitStatus> {
     // Arguments that cannot be parsed are reported by rank 0, or by this process if it turns out to be the only one.
     let cli = program().try_get_matches().and_then(|matches| Cli::from_arg_matches(&matches)).ok();
-    let failed = |error: &LinearError| {
+    // The launcher returns the status of the process that ends first.
+    let failed = |error: LinearError| {
         output::note(&error.to_string());
-        Some(ExitStatus::MachineFailure)
+        let is_of_the_input = RunError::from(error).is_of_the_input();
+        Some(if is_of_the_input { ExitStatus::BadInput } else { ExitStatus::MachineFailure })
     };
     let rank = match ranks::start() {
         Ok((0, _)) => return None,
         Ok((rank, _)) => rank,
-        Err(error) => return failed(&error),
+        Err(error) => return failed(error),
     };
     // Rank 0 handles the signals. It can end in order only while its workers run.
     interrupt::disregard();
@@ -53,7 +56,7 @@ pub(super) fn help() -> Option<ExitStatus> {
                 "rank {rank} was started with other arguments than rank 0; those of rank 0 are used"
             ));
         }
-        Err(error) => return failed(&error),
+        Err(error) => return failed(error),
     }
     // Each rank assembles its own rows of the body of rank 0.
     let mut body = || {
@@ -68,7 +71,7 @@ pub(super) fn help() -> Option<ExitStatus> {
     };
     match ranks::help(&mut body) {
         Ok(()) => Some(ExitStatus::Success),
-        Err(error) => failed(&error),
+        Err(error) => failed(error),
     }
 }
 

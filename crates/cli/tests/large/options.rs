@@ -2,7 +2,7 @@
 
 use std::process::Command;
 
-use crate::job::{PROGRAM, without_ours};
+use crate::job::{Job, PROGRAM, without_ours};
 use crate::scenes::path;
 
 /// Runs a small cube with these options. Returns the status, the output, and the error without its line breaks.
@@ -42,6 +42,10 @@ fn wrong_options_have_their_cure() {
         assert_eq!(status, Some(expected), "{error}");
         assert!(words.iter().all(|words| error.contains(words)), "{error}");
     }
+    // The launcher returns the status of the process that ends first.
+    let wrong = ["--set", "mesh.elements=[4,4,4]", "--set", "solver.petsc='-ksp_max_it many'"];
+    let ended = Job::start(2, &[&["run", &path("cube"), "--solver", "petsc"][..], &wrong].concat()).end();
+    assert_eq!(ended.status, Some(2), "{}", ended.error);
     let (status, _, error) = run("mumps", "-ksp_monitor");
     assert_eq!(status, Some(2), "{error}");
     assert!(error.contains("add solver.linear = \"petsc\""), "{error}");
