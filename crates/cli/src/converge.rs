@@ -187,6 +187,8 @@ impl<'a> Meshes<'a> {
         let mut overrides = self.ladder.mesh(self.own, mesh);
         overrides.push(self.ladder.time(increments));
         let mut scene = self.own.with(&overrides).map_err(RunError::from)?;
+        // The study alone refines: `mesh.refine` would give all its meshes one error.
+        scene.refine = None;
         let mut name = ladder::name(&scene.description.mesh);
         if let Some((refinement, level, error)) = &mut self.refined {
             while *level < mesh {
@@ -194,7 +196,6 @@ impl<'a> Meshes<'a> {
                 *error = finer.ok_or_else(|| StudyError::NotRefined(refinement.status()))?;
                 *level += 1;
             }
-            scene.refine = None;
             scene.description.mesh = refinement.scene().description.mesh.clone();
             if mesh > 0 {
                 let first = if self.ladder.is_own(0, &self.own.description.mesh) { String::new() } else { name + ", " };

@@ -222,6 +222,13 @@ fn triangles_refine_themselves() {
     let finer = json(&stickslip(&converge(&file, "force", &["--to", "0.01", "--json"])));
     let error = (value(&study, "value") / value(&finer, "extrapolated") - 1.0).abs();
     assert!(error <= value(&study, "uncertainty"), "{error} {study}");
+    // The study alone refines: named meshes are what they are, whatever the scene says.
+    let named = |more: &[&str]| {
+        let set = ["--set", "mesh.elements=[[5,7,6],8]", "--set", "mesh.cells=triangle", "--meshes", "5,10", "--json"];
+        let study = json(&stickslip(&converge(PUNCH, "force", &[&set[..], more].concat())));
+        study["runs"].as_array().unwrap().iter().map(|run| number(&run["value"])).collect::<Vec<_>>()
+    };
+    assert_eq!(named(&["--set", "mesh.refine=0.3"]), named(&[]));
 }
 
 /// On the file of the last mesh a scene has the same force, of two bodies, also of tetrahedra. In other units than m coordinates are
