@@ -10,7 +10,7 @@ use super::coupling::{Couplings, about_axes};
 use super::holding::{self, Holding};
 use super::joint::Joints;
 use super::pair::{self, Pair, Pairs};
-use super::place::{in_space, node, with_area};
+use super::place::{along_the_axis, in_space, node, with_area};
 use super::{Model, ModelError, find};
 use crate::algebra::linear::{LinearError, Stiffness};
 use crate::algebra::sparse::{NodeRows, Symmetric};
@@ -182,6 +182,7 @@ fn springs(
                         Ok(Spring::foundation(mesh, bedded(name, &key)?, Bedding::Axes(stiffness)))
                     }
                     Where::Coupling(name) => {
+                        along_the_axis(mesh, "stiffness", stiffness, &format!("{key}.stiffness"))?;
                         let (_, [translation, _]) = couplings.rigid(name, "the spring", &key)?;
                         Ok(vec![Spring::at_node(translation, stiffness)])
                     }

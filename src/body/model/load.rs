@@ -7,7 +7,7 @@ use super::constraints::Constraints;
 use super::coupling::about_axes;
 use super::discrete::{Discrete, Elements};
 use super::find;
-use super::place::{counts_as_force, in_space, node, suits, with_area};
+use super::place::{along_the_axis, counts_as_force, in_space, node, suits, with_area};
 use crate::algebra::vector::{Vector, axis, cross, dot, minus, norm, unit};
 use crate::base::formula::Field;
 use crate::base::input_error::InputError;
@@ -54,14 +54,6 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
         }
         Action::Force { at: place, force } => {
             let force = in_space(mesh, force, &at("force"))?;
-            if mesh.geometry.is_revolved()
-                && (force[0] != 0.0 || force[2] != 0.0)
-                && matches!(place, Where::Coupling(_))
-            {
-                let message =
-                    "the force has a component across the axis, but a body of revolution moves along its axis only";
-                return Err(InputError::new(at("force"), message, "give [0, y], with torsion [0, y, 0]"));
-            }
             match place {
                 Where::Point(point) => {
                     vec![(node(mesh, *point, &description.system(mesh.dimension), &key)?, force)]
@@ -70,7 +62,10 @@ pub(super) fn load(description: &Description, discrete: &Discrete, k: usize) -> 
                     let boundary = with_area(mesh, name, &at("boundary"), boundary(name)?, "a force")?;
                     uniform_traction(mesh, boundary, force.map(|f| f / area(mesh, boundary)))
                 }
-                Where::Coupling(name) => couplings.forces(dofs, name, [force, [0.0; 3]], &key)?,
+                Where::Coupling(name) => {
+                    along_the_axis(mesh, "force", force, &at("force"))?;
+                    couplings.forces(dofs, name, [force, [0.0; 3]], &key)?
+                }
             }
         }
         Action::Moment { coupling, moment } => {

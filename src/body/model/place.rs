@@ -106,6 +106,16 @@ pub(super) fn with_area<'a>(
     Err(InputError::new(key, message, "name another boundary, or a point"))
 }
 
+/// Returns an error if a `vector`, which the key gives a coupling of a body of revolution, is not along the axis.
+pub(super) fn along_the_axis(mesh: &Mesh, what: &str, vector: [f64; 3], key: &str) -> Result<(), InputError> {
+    if mesh.geometry.is_revolved() && (vector[0] != 0.0 || vector[2] != 0.0) {
+        let message =
+            format!("the {what} has a component across the axis, but a body of revolution moves along its axis only");
+        return Err(InputError::new(key, message, "give [0, y], with torsion [0, y, 0]"));
+    }
+    Ok(())
+}
+
 /// Extends components to three dimensions.
 pub(super) fn in_space(mesh: &Mesh, components: &[f64], key: &str) -> Result<[f64; 3], InputError> {
     counts_as_force(mesh, key, components.len())?;
