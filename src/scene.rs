@@ -25,6 +25,7 @@
 //! ```
 
 mod error;
+mod from_abaqus;
 mod overrides;
 mod provenance;
 mod read;

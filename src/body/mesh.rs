@@ -17,7 +17,7 @@ pub(crate) use bisection::{Bisection, Curve};
 pub use block::block;
 pub use bodies::Bodies;
 pub use check::MeshFault;
-pub(crate) use file::faces;
+pub(crate) use file::{AbaqusData, AbaqusKeyword, abaqus_keywords, faces};
 pub use file::{MeshFileError, MeshFormat, MeshFormatError, Place, from_gmsh};
 pub use geometry::Geometry;
 pub(crate) use interpolation::{

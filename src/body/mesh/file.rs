@@ -19,6 +19,7 @@ use super::check::Numbers;
 use super::sides::Outline;
 use super::{Cell, Facet, Geometry, Mesh, MeshFault, Notes};
 use crate::base::input::FileKind;
+pub(crate) use abaqus::{Data as AbaqusData, Keyword as AbaqusKeyword, keywords as abaqus_keywords};
 use raw::{Block, ElementKind, RawMesh, SAME_PLACE};
 
 /// The formats of mesh files.

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use stickslip::scene::Scene;
 use stickslip_output::write_file;
 
 use super::run::write_failure;
@@ -13,6 +14,8 @@ use super::{Failure, output};
 pub(super) struct InitArgs {
     /// Kind of body or joint; without one the kinds are listed
     kind: Option<Kind>,
+    /// With `abaqus`: the input file
+    file: Option<PathBuf>,
     /// Write the scene and the files that it reads into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -34,8 +37,12 @@ enum Kind {
     PressFit,
     /// A cylinder that rubs on a block in cycles
     Fretting,
+    /// Half a wave of a rough surface, pressed on a rigid plane
+    Rough,
     /// Two plates under a clamp, pulled apart, on a mesh from Gmsh
     LapJoint,
+    /// The scene of an input file: `stickslip init abaqus part.inp`
+    Abaqus,
 }
 
 /// The name and text of a file in `data`.
@@ -56,6 +63,8 @@ impl Kind {
             Kind::Bolt => &[file!("scenes", "bolt.toml")],
             Kind::PressFit => &[file!("tutorials", "press-fit.toml"), file!("tutorials", "press-fit-torque.toml")],
             Kind::Fretting => &[file!("tutorials", "fretting.toml")],
+            Kind::Abaqus => &[],
+            Kind::Rough => &[file!("init", "rough.toml")],
             Kind::LapJoint => &[
                 file!("tutorials", "lap-joint.toml"),
                 file!("tutorials", "lap-joint.geo"),
@@ -73,6 +82,9 @@ pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
         });
         return Ok(());
     };
+    if let (Kind::Abaqus, file) | (_, file @ Some(_)) = (kind, &args.file) {
+        return of_file(kind, file.as_deref(), args.out.as_deref());
+    }
     let files = kind.files();
     if let Some(folder) = &args.out {
         return write(folder, files);
@@ -83,6 +95,24 @@ pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
         let besides: Vec<&str> = besides.iter().map(|(name, _)| *name).collect();
         output::note(&format!("note: with --out DIR {name} comes with {}", besides.join(" and ")));
     }
+    Ok(())
+}
+
+/// Prints the scene of an input file, to be saved beside it, or writes it into the folder `out`.
+fn of_file(kind: Kind, file: Option<&Path>, out: Option<&Path>) -> Result<(), Failure> {
+    let Some(file) = file.filter(|_| matches!(kind, Kind::Abaqus)) else {
+        let help = "write `stickslip init abaqus part.inp`; all other kinds stand alone";
+        return Err(Failure::input("init takes an input file with the kind `abaqus`, and only with it", help));
+    };
+    let beside = PathBuf::from(file.file_name().unwrap_or_default());
+    let mesh = if out.is_some() { std::path::absolute(file).unwrap_or(beside) } else { beside };
+    let scene =
+        Scene::text_from_abaqus(file, &mesh.display().to_string()).map_err(|error| Failure::Input(error.into()))?;
+    if let Some(folder) = out {
+        let name = Path::new(file.file_stem().unwrap_or_default()).with_extension("toml");
+        return write(folder, &[(&name.display().to_string(), &scene)]);
+    }
+    say!("{}", scene.trim_end());
     Ok(())
 }
 

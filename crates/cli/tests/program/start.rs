@@ -6,7 +6,9 @@ use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;
 
-use crate::program::{Folder, assert_exit, csv, stderr, stdout, stickslip, unbroken};
+use crate::program::{Folder, assert_exit, csv, json, number, stderr, stdout, stickslip, unbroken};
+
+const ABAQUS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../doc/howto/abaqus/two_blocks.inp");
 
 /// Every example scene converges, has warnings only of mesh errors, and uses the default constants.
 #[test]
@@ -52,14 +54,44 @@ fn scenes_to_start_from_are_listed_and_checked() {
     let listed = stickslip(&["init"]);
     assert_exit(&listed, 0);
     let kinds: Vec<&str> = stdout(&listed).lines().filter_map(|line| line.split_whitespace().next()).collect();
-    assert_eq!(kinds, ["block", "gmsh", "cube", "two-bodies", "bolt", "press-fit", "fretting", "lap-joint"]);
+    assert_eq!(
+        kinds,
+        ["block", "gmsh", "cube", "two-bodies", "bolt", "press-fit", "fretting", "rough", "lap-joint", "abaqus"]
+    );
     for kind in kinds {
         let folder = Folder::new();
-        assert_exit(&stickslip(&["init", kind, "--out", &folder.join("")]), 0);
+        let out = folder.join("");
+        let (out, file) = (["--out", &*out], [ABAQUS]);
+        let file = if kind == "abaqus" { &file[..] } else { &[] };
+        assert_exit(&stickslip(&[&["init", kind][..], file, &out].concat()), 0);
         let names = folder.names("");
         let scene =
             names.iter().find(|name| Path::new(name).extension().is_some_and(|extension| extension == "toml")).unwrap();
         assert_exit(&stickslip(&["check", &folder.join(scene)]), 0);
+    }
+}
+
+/// The scene of an input file runs as the one that was written by hand; what is not converted is named in it.
+#[test]
+fn an_input_file_becomes_a_scene() {
+    let folder = Folder::new();
+    let out = folder.join("new");
+    assert_exit(&stickslip(&["init", "abaqus", ABAQUS, "--out", &out]), 0);
+    let [found, expected] =
+        [Path::new(&out).join("two_blocks.toml"), Path::new(ABAQUS).with_extension("toml")].map(|file| {
+            let output = stickslip(&["run", file.to_str().unwrap(), "--json", "--set", "mesh.element=bilinear"]);
+            assert_exit(&output, 0);
+            number(&json(&output)["largest_force"]["magnitude"])
+        });
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    let folder = Folder::new();
+    let file = folder.join("part.inp");
+    let text = fs::read_to_string(ABAQUS).unwrap().replace("*STATIC\n", "*CLOAD\nLOAD, 1, 5.\n*STATIC\n");
+    fs::write(&file, text).unwrap();
+    let printed = stickslip(&["init", "abaqus", &file]);
+    assert!(stdout(&printed).ends_with("# Not converted:\n# *CLOAD LOAD, 1, 5.\n"), "{}", stdout(&printed));
+    for wrong in [&["init", "abaqus"][..], &["init", "block", &file], &["init", "abaqus", "missing.inp"]] {
+        assert_exit(&stickslip(wrong), 2);
     }
 }
 

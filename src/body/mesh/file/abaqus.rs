@@ -10,7 +10,7 @@ mod model;
 use std::path::{Path, PathBuf};
 
 use super::raw::RawMesh;
-use super::{MeshFormatError, Place, expect};
+use super::{MeshFileError, MeshFormatError, Place, expect};
 use crate::base::input::FileKind;
 use model::Model;
 
@@ -33,6 +33,19 @@ pub(super) fn includes(path: &Path) -> Vec<PathBuf> {
     keywords.included
 }
 
+/// Hands each keyword of the file at `path`, and of the files that it includes, to `take`, with its data.
+pub(crate) fn keywords(path: &Path, take: &mut dyn FnMut(&Keyword<'_>, &[Data<'_>])) -> Result<(), MeshFileError> {
+    let name = path.display().to_string();
+    let bytes =
+        crate::base::input::read_bytes(path).map_err(|error| MeshFileError::Io { path: name.clone(), error })?;
+    expect(&name, &bytes, FileKind::Abaqus)?;
+    let mut take = |keyword: &Keyword<'_>, data: &[Data<'_>]| {
+        take(keyword, data);
+        Ok(())
+    };
+    Ok(Keywords::default().read(path, &bytes, &mut take)?)
+}
+
 /// The number of files that may include one another; Abaqus allows five.
 const MAX_LEVELS: usize = 5;
 
@@ -40,7 +53,7 @@ const MAX_LEVELS: usize = 5;
 const MAX_FILES: usize = 1000;
 
 /// A keyword with its parameters.
-struct Keyword<'a> {
+pub(crate) struct Keyword<'a> {
     file: &'a Path,
     line: usize,
     /// The keyword in capitals without its star.
@@ -50,7 +63,7 @@ struct Keyword<'a> {
 }
 
 /// A line of data of a keyword, divided at commas.
-struct Data<'a> {
+pub(crate) struct Data<'a> {
     /// The number of the line in the file, from 1.
     pub line: usize,
     pub fields: Vec<&'a str>,
@@ -68,13 +81,13 @@ type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Result<(), MeshF
 
 impl Keyword<'_> {
     /// Returns the value of a parameter, without quotes; empty if it has none.
-    fn value(&self, parameter: &str) -> Option<&str> {
+    pub(crate) fn value(&self, parameter: &str) -> Option<&str> {
         let (_, value) = self.parameters.iter().find(|(name, _)| name == parameter)?;
         Some(value.trim_matches('"'))
     }
 
     /// Returns the name of a set that a parameter gives, in capitals.
-    fn set(&self, parameter: &str) -> Option<String> {
+    pub(crate) fn set(&self, parameter: &str) -> Option<String> {
         self.value(parameter).filter(|value| !value.is_empty()).map(str::to_uppercase)
     }
 
