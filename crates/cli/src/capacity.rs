@@ -1,24 +1,26 @@
 //! The capacity of a joint: the factor by which a load may grow beyond its last value until the joint slips as a whole.
 //!
-//! The history goes on after its end, with all other loads and motions as they are there, while the load doubles again and
-//! again. The run ends where friction can no longer balance the loads, between two times; it is repeated with more
+//! The history goes on after its end, with all other loads and motions as they are there, while the load doubles again
+//! and again. The run ends where friction can no longer balance the loads, between two times; it is repeated with more
 //! increments between them until they are close. The exact path finds the time itself.
 
 use serde_json::{Value, json};
 
 use stickslip::base::within;
-use stickslip::body::Against;
+use stickslip::body::{Action, Against};
 use stickslip::run::report::{ForceRecord, JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Observer, Status};
 
+use crate::words::acts;
+
 /// The number of times that the load doubles, and the increments of each time.
 const DOUBLINGS: u32 = 10;
 const INCREMENTS: u32 = 8;
 
-/// The largest difference of the factors between which the joint slips, relative, the number of increments between them in
-/// another run, and the number of runs.
+/// The largest difference of the factors between which the joint slips, relative, the number of increments between them
+/// in another run, and the number of runs.
 const CLOSE: f64 = 2e-3;
 const FINER: u32 = 32;
 const RUNS: usize = 3;
@@ -28,8 +30,12 @@ const RUNS: usize = 3;
 pub struct Capacity {
     /// The number of the load, from 0.
     pub load: usize,
-    /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint slips;
-    /// `None` if the joint does not slip as a whole.
+    /// The load at factor 1.
+    pub action: Action,
+    /// Its last factor in the history.
+    pub last: f64,
+    /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint
+    /// slips; `None` if the joint does not slip as a whole.
     pub between: Option<[f64; 2]>,
     /// The first contact that carries force at the end of the history itself and none later, with the factor of the
     /// load.
@@ -82,6 +88,10 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         let first = after.into_iter().find(has_opened)?;
         Some((first.resultant.boundary.clone(), factor_at(longer, first.time)))
     };
+    let found = |between, longer: &Scene, report: RunReport| {
+        let action = scene.description.loads[load].action.clone();
+        Capacity { load, action, last, between, opens: opens(longer, &report), report }
+    };
     let mut known: Option<Capacity> = None;
     for _ in 0..RUNS {
         let report = Run::new(&longer)?.solve(observer)?;
@@ -93,7 +103,7 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
             let [from, by] = slip.between;
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
-            known = Some(Capacity { load, between, opens: opens(&longer, &report), report });
+            known = Some(found(between, &longer, report));
             if slips - holds <= CLOSE * slips {
                 break;
             }
@@ -103,7 +113,7 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
             *holds = reached.map_or(*holds, |record| factor_at(&longer, record.time).max(*holds).min(*slips));
             break;
         } else {
-            return Ok(Ok(Capacity { load, between, opens: opens(&longer, &report), report }));
+            return Ok(Ok(found(between, &longer, report)));
         }
     }
     Ok(known.ok_or_else(|| "no run was asked for".to_string()))
@@ -167,13 +177,20 @@ impl Capacity {
         }
     }
 
+    /// Describes the load that the joint holds.
+    pub fn held(&self) -> Option<String> {
+        self.between.map(|[holds, _]| acts(&self.action, holds * self.last, &self.report.units))
+    }
+
     /// Returns the capacity in a sentence, with the motion.
     pub fn sentence(&self) -> String {
         let (load, most) = (self.load, 1 << DOUBLINGS);
         let found = match (self.between, &self.report.explanation.slip, self.report.status) {
             (Some([holds, slips]), Some(slip), _) => {
-                let motion = &slip.motion;
-                format!("load[{load}] times {holds:.4} holds; beyond {slips:.4} the joint slips as a whole: {motion}")
+                let (motion, held) = (&slip.motion, self.held().unwrap_or_default());
+                format!(
+                    "load[{load}] times {holds:.4}, {held}, holds; beyond {slips:.4} the joint slips as a whole: {motion}"
+                )
             }
             (None, Some(slip), _) => {
                 let [from, by] = slip.between;
@@ -195,6 +212,7 @@ impl Capacity {
             "title": self.report.title,
             "load": self.load,
             "safety": self.between.map(|[holds, _]| holds),
+            "held": self.held(),
             "between": self.between,
             "opens": self.opens.as_ref().map(|(boundary, factor)| json!({ "boundary": boundary, "factor": factor })),
             "status": self.report.status,

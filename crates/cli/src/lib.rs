@@ -8,3 +8,4 @@ pub mod converge;
 pub mod problems;
 pub mod study;
 pub mod sweep;
+mod words;

@@ -4,7 +4,6 @@ mod histories;
 mod mesh;
 mod needs;
 mod obstacles;
-mod words;
 
 use super::run::print_warnings;
 use super::{Failure, SceneArgs, origin};
@@ -15,7 +14,7 @@ use needs::needs;
 use obstacles::{frame, motions, shape};
 use std::borrow::Cow;
 use std::collections::BTreeSet;
-use stickslip::base::{Budget, Field, Quantity, UnitSystem, in_words, six_digits};
+use stickslip::base::{Budget, Quantity, UnitSystem, in_words, six_digits};
 use stickslip::body::constraints::RigidMotion;
 use stickslip::body::fem::{Element, Material, Plane};
 use stickslip::body::mesh::{CellKind, MeshSource};
@@ -28,7 +27,8 @@ use stickslip::scene::Scene;
 use stickslip::solver::formulation::Layout;
 use stickslip::solver::{Conditions, ProblemError, history, rigid_equilibrium_with};
 use stickslip_output::bytes_on_disk;
-use words::{listed, number, rounded, vector};
+
+use crate::words::{acts, listed, rounded, vector};
 
 #[derive(Args)]
 pub(super) struct CheckArgs {
@@ -262,6 +262,7 @@ fn contacts(scene: &Scene, model: &Model) {
 
 fn loads(scene: &Scene, model: &Model) {
     let units = model.units();
+    let has_steps = scene.description.loads.iter().any(|load| load.history.is_some());
     for (load, sum) in scene.description.loads.iter().zip(model.forces_of_loads()) {
         // A temperature and a moment have no resulting force.
         let sum = match load.action {
@@ -269,10 +270,11 @@ fn loads(scene: &Scene, model: &Model) {
             _ => format!(", in all {}", vector(&units, Quantity::Force, &sum[..model.mesh.components()])),
         };
         row!(
-            "load         {}: {}{sum}; factor {}",
+            "load         {}: {}{sum}; factor {}{}",
             load.action.location(&units),
-            acts(&load.action, &units),
-            points(&load.factors(scene.time.end), |factor| factor[0].to_string())
+            acts(&load.action, 1.0, &units),
+            points(&load.factors(scene.time.end), |factor| factor[0].to_string()),
+            if has_steps && load.history.is_none() { ": it has no history, as others have" } else { "" }
         );
     }
 }
@@ -296,26 +298,6 @@ fn holds(support: &Support, units: &UnitSystem, end: f64) -> String {
     let moved = (!to.is_empty()).then(|| format!(", moved by {}", vector(units, Quantity::Length, &to)));
     let turned = (!by.is_empty()).then(|| format!(", turned by {}", by.join(", ")));
     format!("{held}{}{}; factor {factor}", moved.unwrap_or_default(), turned.unwrap_or_default())
-}
-
-/// Describes a load at factor 1.
-fn acts(action: &Action, units: &UnitSystem) -> String {
-    // Without named units, a traction is printed in N/m2.
-    let per_area = if units.has_si_units() { "N/m2".to_string() } else { units.name(Quantity::Stress) };
-    let stress = |x: f64| units.number(Quantity::Stress, x);
-    match action {
-        Action::Traction { traction, .. } => {
-            let component = |t: &Field| t.uniform().map_or_else(|| t.to_string(), |t| number(stress(t)));
-            format!("({}) {per_area}", traction.iter().map(component).collect::<Vec<_>>().join(", "))
-        }
-        Action::Pressure { pressure: Field::Uniform(p), .. } => format!("pressure {:?} {per_area}", stress(*p)),
-        Action::Pressure { pressure, .. } => format!("pressure {pressure} {per_area}"),
-        Action::Force { force, .. } => vector(units, Quantity::Force, force),
-        Action::Moment { moment, .. } => vector(units, Quantity::Moment, moment),
-        Action::Acceleration(acceleration) => vector(units, Quantity::Acceleration, acceleration),
-        Action::Spin { speed, .. } => format!("turning with {speed} rad/s"),
-        Action::Temperature(temperature) => format!("warmed by {temperature} K"),
-    }
 }
 
 fn holding(model: &Model) {

@@ -101,6 +101,8 @@ fn check_tells_histories() {
     assert!(output.contains(words), "{output}");
     assert!(output.contains("factor 0 at 0 s, 1 at 1 s, 0 at 2 s\n"), "{output}");
     assert!(!output.contains("further ends"), "{output}");
+    let output = check(&edit(&text, "history = [[0, 0], [1, 1], [2, 0]]", ""));
+    assert!(output.contains("1 at 2 s: it has no history, as others have\n"), "{output}");
 
     let output = check(&edit(&text, "increments = 4", "increments = 6"));
     let further: Vec<&str> = output.lines().filter(|line| line.contains("further ends")).collect();

@@ -1,7 +1,7 @@
 //! Describes obstacles.
 
 use super::histories::points;
-use super::words::{number, rounded, vector};
+use crate::words::{number, rounded, vector};
 use stickslip::algebra::Vector;
 use stickslip::base::Quantity;
 use stickslip::body::Model;
