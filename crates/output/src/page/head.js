@@ -46,7 +46,10 @@ const singular = peak && (peak.singular ?? (report.warnings || []).some(({ kind 
 const ofPeak = peak && (singular ? "singular: it depends on the mesh" : `error of the mesh ${about(peak.mesh_error)}`);
 const ofMesh = ({ given, mesh_error }) => (given ? "loads alone determine it" : about(mesh_error));
 const told = ({ given, mesh_error }) => (given ? ofMesh({ given }) : `error of the mesh ${about(mesh_error)}`);
+const [bolt] = report.pretension_forces || [];
+const sinceLock = ({ locked_force: locked, force_range: [least, most] }) => `${rounded(least, FORCE)} to ${rounded(most, FORCE)}${locked == null ? "" : `, ${rounded(locked, FORCE)} at the lock`}`;
 const numbers = [
+  bolt && [`largest force of ${bolt.name}`, rounded(bolt.force_range[1], FORCE), sinceLock(bolt), { boundary: bolt.name }],
   force && ["largest contact force", rounded(force.magnitude, FORCE), told(force), force],
   uses[0] && ["friction in use", percent(uses[0].largest), uses[0].slips_from == null ? "no node slips" : `slip begins at t = ${plain(uses[0].slips_from)} s`, uses[0]],
   peak && peak.pressure && ["largest pressure", rounded(peak.pressure, STRESS), ofPeak, peak, singular],
@@ -54,9 +57,10 @@ const numbers = [
 ].filter(Boolean).slice(0, 3);
 for (const [name, value, error, { boundary, time }, isWeak] of numbers) {
   const box = element("div");
-  box.append(element("span", name), element("b", value, isWeak ? "weak" : ""), element("span", close(error)), element("span", close(`${boundary ? `${boundary}, ` : ""}t = ${plain(time)} s`), "note"));
+  box.append(element("span", name), element("b", value, isWeak ? "weak" : ""), element("span", close(error)), element("span", close([boundary, time == null ? "" : `t = ${plain(time)} s`].filter(Boolean).join(", ")), "note"));
   $("#numbers").append(box);
 }
+for (const of of report.pretension_forces || []) keyRow(`force of ${of.name}`, rounded(of.force_range[1], FORCE), sinceLock(of), "", "");
 if (force) keyRow("largest contact force", rounded(force.magnitude, FORCE), `${force.boundary}, t = ${plain(force.time)} s: (${force.force.map((f) => rounded(f, FORCE)).join(", ")})`,
   ofMesh(force), "");
 if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${held.boundary}, t = ${plain(held.time)} s`, ofMesh(held), ofSteps(held.time_error));

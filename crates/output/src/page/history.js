@@ -139,9 +139,16 @@ function widestLoop(share) {
   }
   return widest && widest.names;
 }
-const overTime = ["time", [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || ""];
+const acts = (pattern) => [...columns].filter(([name, { values }]) => pattern.test(name) && [...values.values()].some((value) => value)).map(([name]) => name);
+const overTime = ["time", acts(/^load .*: m_[xyz]$/)[0] || [...columns.keys()].find((name) => /sum_p_t/.test(name)) || [...columns.keys()][1] || ""];
 [$("#across").value, $("#up").value] = widestLoop(OPEN) || widestLoop(LINE) || overTime;
 for (const id of ["#across", "#up"]) $(id).addEventListener("change", showHistory);
 atEachWidth(showHistory);
+// Moments and rotations of couplings at the end are key results, too.
+for (const name of acts(/^coupling .*: m_[xyz]$/)) {
+  const { unit, values } = columns.get(name), [index, value] = [...values].pop(), turned = columns.get(name.replace(/m_(.)$/, "rotation_$1"));
+  const angle = turned && turned.values.get(index);
+  keyRow(name.replace(/^coupling (.*): m_(.)$/, "moment of $1 about $2"), rounded(value, unit), `t = ${plain(times.get(index))} s${angle ? `, turned by ${plain(angle)} rad` : ""}`, "", "");
+}
 $("#history").hidden = times.size < 2;
 showHistory();
