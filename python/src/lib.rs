@@ -16,12 +16,14 @@
 //! | a run that is saved as it goes | `saver.rs` |
 //! | a linear solver that is a Python object | `foreign.rs` |
 //! | finer meshes until a quantity is known | `converge.rs` |
+//! | the factor by which a load may grow until a joint slips | `capacity.rs` |
 //! | the program `stickslip` | `program.rs` |
 //! | arrays in and out; errors out | `arrays.rs`, `error.rs` |
 
 #![allow(clippy::needless_pass_by_value)] // What Python hands over is handed over.
 
 mod arrays;
+mod capacity;
 mod condensed;
 mod converge;
 mod error;
@@ -49,6 +51,8 @@ fn keep_freed_memory() {
 
 #[pymodule(gil_used = false)]
 mod _core {
+    #[pymodule_export]
+    use super::capacity::find_capacity;
     #[pymodule_export]
     use super::condensed::CondensedBody;
     #[pymodule_export]

@@ -13,6 +13,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::mem;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -83,6 +84,8 @@ type RefinedMesh<'py> =
 #[pyo3(from_item_all)]
 struct RunOptions {
     uniqueness: bool,
+    /// The friction coefficients of the contact nodes.
+    mu: Option<Vec<f64>>,
     max_iterations: Option<usize>,
     tolerance: Option<f64>,
     /// The file in which the run is saved as it goes, and the seconds between.
@@ -314,8 +317,17 @@ impl SceneModel {
         callback: Option<Py<PyAny>>,
         options: RunOptions,
     ) -> PyResult<Bound<'py, PyDict>> {
-        let RunOptions { uniqueness, max_iterations, tolerance, checkpoint } = options;
+        let RunOptions { uniqueness, mu, max_iterations, tolerance, checkpoint } = options;
         let SceneModel { scene, model, .. } = self;
+        let mut model = Cow::Borrowed(model);
+        if let Some(mu) = mu {
+            if model.loading.friction().is_some() {
+                let message = "mu: the friction of the scene changes in time; leave out contact.friction_history";
+                return Err(PyValueError::new_err(message));
+            }
+            let problem = model.problem.with_friction(mu).map_err(of_problem)?;
+            model.to_mut().problem = problem;
+        }
         let raised = Raised::default();
         let (linear, own) = Algebra::new(linear, &raised)?.split(scene.solver.linear);
         let solver = SolverChoice {
@@ -328,7 +340,7 @@ impl SceneModel {
             checkpoint.map(|(file, every)| self.saver(&file, every, solver.tolerance, keep.clone())).transpose()?;
         let (recorder, left) = Recorder::new(keep, callback, raised).saved_by(saver)?;
         let (mut report, mut recorder) = watched(py, recorder, |recorder| {
-            let mut run = Run::of(model, model.times().to_vec(), solver)?;
+            let mut run = Run::of(&model, model.times().to_vec(), solver)?;
             if let Some(cycle) = scene.output.cycle {
                 run = run.with_cycle(cycle);
             }

@@ -8,7 +8,7 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from . import _core
 from ._errors import SceneError, in_python
 from ._fields import Svg
 from ._options import Linear, whole
-from ._scene import SceneLike, _read, _words
+from ._scene import SceneLike, _read, _with_linear
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -181,11 +181,8 @@ def converge(
         if not isinstance(number, Real) or isinstance(number, bool) or not fits(number):
             raise ValueError(f"{name}: {number!r} found, expected {expected}")
     most = whole("max_runs", max_runs, "a whole number of 3 or more", least=3)
-    if linear is not None and linear not in get_args(Linear):
-        raise ValueError(f"linear: {linear!r} found, expected None or one of {', '.join(get_args(Linear))}")
+    words = _with_linear(overrides, linear)
     name, text, files = _read(scene)
-    chosen = {} if linear is None else {"solver.linear": linear}
-    words = [f"{key}={value}" for key, value in {**_words(chosen, has_mesh=False), **_words(overrides, has_mesh=False)}.items()]
     wanted = {
         "quantity": quantity, "to": float(to), "meshes": _named(meshes), "ratio": float(ratio),
         "max_runs": most, "within": float(within),

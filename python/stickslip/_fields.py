@@ -7,7 +7,7 @@ import operator
 import os
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Literal, Protocol
+from typing import Any, ClassVar, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,15 +65,6 @@ class Svg(str):
             file.write(self.encode())
 
 
-#: What takes the place of quantities that need a model, by their names.
-_SUBSTITUTES = {
-    "pressure": "take result.p_n / problem.weight",
-    "traction": "take result.p_t / problem.weight[:, None]",
-    "slip": "take problem.slip(result.u[k]), less the drift of the increment if there is one",
-    "opening": "take result.gap[k] - problem.C_n @ result.u[k]",
-}
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class Fields:
     """The arrays of a `Result`, and what needs its model."""
@@ -97,11 +88,12 @@ class Fields:
     report: dict[str, Any]
     model: _Body | None
 
-    def _model(self, wanted: str = "") -> _Body:
-        """The model, for what is `wanted`."""
+    #: Of a problem of matrices: the problem, and the motion of the obstacle past each node, m, (m, n_c, d).
+    _posed: ClassVar[Any] = None
+
+    def _model(self) -> _Body:
         if self.model is None:
-            cure = f"; {_SUBSTITUTES[wanted]}" if wanted else ""
-            raise ValueError(f"{wanted or 'model'}: this result is of a problem of matrices, which has no mesh{cure}")
+            raise ValueError("model: this result is of a problem of matrices, which has no mesh")
         return self.model
 
     def _number(self, k: int) -> int:
@@ -150,8 +142,21 @@ class Fields:
         return found
 
     def _at_nodes(self, name: str) -> Array:
-        self._model(name)
-        return self._of_nodes[name]
+        return self._of_nodes[name] if self.model is not None else self._of_matrices(name)
+
+    def _of_matrices(self, name: str) -> Array:
+        if self._posed is None:
+            raise ValueError(f"{name}: this result was read from a file, which has no problem of matrices")
+        problem, drift = self._posed
+        if name in ("pressure", "traction"):
+            if problem.weight is None:
+                raise ValueError(f"{name}: give the problem the lengths or areas of its contact nodes: problem.with_(weight=...)")
+            stress: Array = self.p_n / problem.weight if name == "pressure" else self.p_t / problem.weight[:, None]
+            return stress
+        found = np.full((self.p_n if name == "opening" else self.p_t).shape, np.nan)
+        for k, u in zip(self.kept, self.u + self.u_rest):
+            found[k] = self.gap[k] - problem.C_n @ u if name == "opening" else problem.slip(u) - drift[k]
+        return found
 
     @cached_property
     def _of_nodes(self) -> dict[str, Array]:
@@ -167,7 +172,8 @@ class Fields:
     def pressure(self) -> Array:
         """Normal contact stresses, Pa, (m, n_c), positive in compression.
 
-        On boundaries of second order they are recovered from the forces, as in the program's tables.
+        On boundaries of second order they are recovered from the forces, as in the program's tables. A problem of matrices needs
+        `weight` for stresses.
 
         Examples
         --------

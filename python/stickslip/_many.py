@@ -194,7 +194,8 @@ def solve(
         bar = tqdm(total=len(histories), unit="history")
 
     def take(k: int, raw: dict[str, Any]) -> None:
-        result = Result._of(raw, histories[k][0], reason=reason_of(raw))
+        problem, tables = histories[k]
+        result = Result._of(raw, problem, reason=reason_of(raw), drift=tables["drift"])
         if not result.converged:
             failed[k] = result.message
         found[k] = result if reduce is None else reduce(result)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, overload
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _core, _history, _many
+from . import _core, _derivative, _history, _many
 from ._arrays import Array, compressed, contact_maps, finite, forces_of, tangential, vector
 from ._matrices import Matrices
 from ._options import Callback, Linear, LinearSolver, Method, Setting, called, core_options, keep
@@ -228,7 +228,7 @@ class ContactProblem(Matrices):
         kept = keep(keep_u, len(tables["times"]))
         called(callback)
         raw = problem._core.run(tables, words, algebra, kept, callback, single)
-        return Result._of(raw, self, reason=reason_of(raw), linear=algebra)._told()
+        return Result._of(raw, problem, reason=reason_of(raw), linear=algebra, drift=tables["drift"])._told()
 
     def solve_increment(
         self, force: ArrayLike, *, gap: ArrayLike = 0.0, w_t_last: ArrayLike | None = None, **options: Unpack[IncrementOptions]
@@ -264,6 +264,57 @@ class ContactProblem(Matrices):
         mu = options.pop("mu", None)
         history = _history.tables(self, forces_of("force", force, self.n_u), [1.0], vector("gap", gap, self.n_c), w[None], mu, None)
         return self._solve(history, single=True, **options)
+
+    def derivative(
+        self, result: Result, *, force: ArrayLike = 0.0, gap: ArrayLike = 0.0, mu: ArrayLike = 0.0, K: Any = None,
+    ) -> _derivative.Derivative:
+        """How a solution changes with its data, along its contact statuses: for fits and sensitivities.
+
+        The equations of every increment are differentiated, nodes stay open, stick or slip as they are, and what an increment inherits
+        from the one before is passed on. Where a status is about to change, the derivative is one of several.
+
+        Parameters
+        ----------
+        result : Result
+            A history of this problem, with all displacements, none of whose increments was divided.
+        force : (n_u,) or (m, n_u), optional
+            The direction in which the data change: nodal forces, N, per unit of what they depend on.
+        gap : float, (n_c,) or (m, n_c), optional
+            Gaps, m, at the ends of the increments.
+        mu : float, (n_c,) or (m, n_c), optional
+            Friction coefficients.
+        K : matrix, (n_u, n_u), optional
+            Stiffness, N/m: ``K=problem.K / E`` for Young's modulus E.
+
+        Returns
+        -------
+        Derivative
+            Of `u`, `p_n` and `p_t`, for each increment.
+
+        Raises
+        ------
+        ValueError
+            A result that this is not known of, and a direction of another shape.
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
+        >>> result = problem.solve([[0.0, -100.0], [40.0, -100.0]])
+        >>> problem.derivative(result, mu=1.0).p_t[:, 0, 0]
+        array([  0., 100.])
+
+        Newton's method for the friction at which the mass moves by 2 µm:
+
+        >>> mu = 0.3
+        >>> for _ in range(3):
+        ...     body = problem.with_(mu=mu)
+        ...     result = body.solve([[0.0, -100.0], [40.0, -100.0]])
+        ...     mu -= (result.u[1, 0] - 2e-6) / body.derivative(result, mu=1.0).u[1, 0]
+        >>> round(mu, 9)
+        0.36
+        """
+        return _derivative.of(self, result, force, gap, mu, K)
 
     @overload
     def solve_many(

@@ -5,13 +5,14 @@ from __future__ import annotations
 import html
 import json
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from . import _plot
+from . import _cycle, _plot
 from ._errors import AccuracyWarning, NotConvergedWarning, StickslipError, in_python
 from ._fields import Fields
 from ._files import replaced
@@ -91,7 +92,7 @@ class Result(Fields):
     @classmethod
     def _of(
         cls, raw: dict[str, Any], problem: Matrices, model: Model | None = None, *, reason: str = "",
-        linear: object = None,
+        linear: object = None, drift: Sequence[Array | None] = (),
     ) -> Result:
         records: list[dict[str, Any]] = json.loads(raw["records"]) if isinstance(raw["records"], str) else raw["records"]
         report: dict[str, Any] = json.loads(raw.get("report", "{}"))
@@ -116,7 +117,7 @@ class Result(Fields):
         reason = reason or REASONS.get(raw["status"], "")
         if isinstance(linear, Checked) and raw["status"] != "converged":
             reason = linear.blamed(reason)
-        return cls(
+        result = cls(
             status=raw["status"], reason=reason, t=np.array([r["time"] for r in records]),
             p_n=nodes("p_n"), p_t=pair("p_t", "p_o"), contact=nodes("contact"), gap=nodes("gap"), mu=nodes("mu"),
             w_t_last=pair("w_t_last", "w_o_last"), errors=np.array(errors).reshape(len(records), 6),
@@ -124,6 +125,10 @@ class Result(Fields):
             force=raw["force"].reshape(of_body),
             records=records, iterations=iterations, report=report, model=model,
         )
+        if model is None:
+            moved = [np.zeros(of_nodes) if rows is None else rows[: len(records)] for rows in drift[:d]]
+            result.__dict__["_posed"] = problem, np.stack(moved, axis=-1) if moved else np.zeros((*of_nodes, d))
+        return result
 
     def _told(self) -> Result:
         """Itself, once Python's warnings tell what was found."""
@@ -237,6 +242,79 @@ class Result(Fields):
         if not self.converged:
             raise NotConverged(self.message, self)
         return self
+
+    def cycle(self, start: float = 0.0, end: float | None = None) -> _cycle.Cycle:
+        """Friction work, slip path and pressure along it of each contact node in a part of the history, such as a load cycle.
+
+        Forces at the end of an increment count for all of its slip. Increments that the run divided count as one: the program's
+        ``cycle.csv`` has their parts.
+
+        Parameters
+        ----------
+        start, end : float, optional
+            Its times, s, ends of increments; the whole history without them.
+
+        Returns
+        -------
+        Cycle
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3, weight=1e-4)
+        >>> cycle = problem.solve([[0.0, -100.0], [40.0, -100.0]]).cycle(0.5)
+        >>> print(f"{cycle.friction_work[0]:.1e} J over {cycle.slip_path[0]:.0e} m")
+        1.5e-04 J over 5e-06 m
+        """
+        return _cycle.of(self, start, end)
+
+    def joined(self, *later: Result) -> Result:
+        """This history and later ones as one: the increments of a `Stepper`, or steps that follow each other.
+
+        Parameters
+        ----------
+        *later : Result
+            In order; their times increase, or are counted from the end of the one before.
+
+        Returns
+        -------
+        Result
+            With the verdict of the last, without a report.
+
+        Examples
+        --------
+        >>> import numpy as np, stickslip as ss
+        >>> stepper = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3).stepper()
+        >>> first, *later = [stepper.step([push, -100.0]) for push in (0.0, 20.0, 40.0)]
+        >>> first.joined(*later).p_t[:, 0, 0]
+        array([ 0., 20., 30.])
+        """
+        parts, counts = (self, *later), np.cumsum([0, *(len(part.t) for part in (self, *later))])
+        if any(part.p_t.shape[1:] != self.p_t.shape[1:] or part.u.shape[1:] != self.u.shape[1:] for part in later):
+            raise ValueError("later: results of one body are expected")
+        if any(not part.converged for part in parts[:-1]):
+            raise ValueError("later: only the last history may have ended early")
+        arrays: dict[str, Any] = {
+            f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(self) if f.name not in _NOT_ARRAYS
+        }
+        ends: list[Array] = []
+        for part in parts:
+            shift = ends[-1][-1] if ends and len(part.t) and part.t[0] <= ends[-1][-1] else 0.0
+            ends.append(part.t + shift)
+        arrays["t"] = np.concatenate(ends)
+        moments = zip(arrays["t"], (record for part in parts for record in part.records))
+        rows = [part.iterations.copy() for part in parts]
+        for table, before in zip(rows, counts):
+            table["increment"] += before
+        whole = Result(
+            status=parts[-1].status, reason=parts[-1].reason, kept=tuple(int(n) + k for n, part in zip(counts, parts) for k in part.kept),
+            records=[{**record, "index": k + 1, "time": float(t)} for k, (t, record) in enumerate(moments)],
+            iterations=np.concatenate(rows).view(np.recarray), report={}, model=self.model, **arrays,
+        )
+        posed = [part._posed for part in parts]
+        if all(posed):
+            whole.__dict__["_posed"] = posed[0][0], np.concatenate([drift for _, drift in posed])
+        return whole
 
     def _amount(self) -> str:
         return f"{counted(len(self.t), 'increment')}, {counted(self.nit, 'iteration')}"

@@ -8,7 +8,7 @@ import os
 import re
 from collections.abc import Mapping, Sequence
 from numbers import Real
-from typing import Any, Literal, Union
+from typing import Any, Literal, Union, get_args
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ from ._arrays import read_only, vector
 from ._errors import SceneError
 from ._files import scene_text
 from ._kinds import DIMENSION
+from ._options import Linear as LinearName
 from ._options import Callback, LinearSolver, called, keep, linear_of, path_of, share, whole
 from ._problem import ContactProblem
 from ._result import Result
@@ -66,6 +67,14 @@ def _words(overrides: Mapping[str, Any] | None, has_mesh: bool) -> dict[str, str
         if has_mesh and re.match(r"mesh\b", key):
             raise ValueError(f"{key}: the mesh is given by `mesh`, so that this key has no effect; leave it out")
     return {key: toml_value(value, key) for key, value in overrides.items()}
+
+
+def _with_linear(overrides: Mapping[str, Any] | None, linear: str | None) -> list[str]:
+    """The overrides as words, after this linear solver."""
+    if linear is not None and linear not in get_args(LinearName):
+        raise ValueError(f"linear: {linear!r} found, expected None or one of {', '.join(get_args(LinearName))}")
+    chosen = {} if linear is None else {"solver.linear": linear}
+    return [f"{key}={value}" for key, value in {**_words(chosen, has_mesh=False), **_words(overrides, has_mesh=False)}.items()]
 
 
 def _with_any_mesh(text: str, given: _mesh.Given) -> str:
@@ -338,7 +347,7 @@ class Model:
 
     def run(
         self, *, linear: Linear = "auto", keep_u: KeepU = "all", callback: Callback | None = None, progress: bool = False,
-        uniqueness: bool = False, max_iterations: int | None = None, tolerance: float | None = None,
+        uniqueness: bool = False, mu: ArrayLike | None = None, max_iterations: int | None = None, tolerance: float | None = None,
         checkpoint: str | os.PathLike[str] | None = None, checkpoint_every: float | None = None, _tells: bool = True,
     ) -> Result:
         """Solves the history as the scene says; where it has ``mesh.refine``, on the mesh that `refined` finds, which is then
@@ -357,6 +366,8 @@ class Model:
             A bar by tqdm.
         uniqueness : bool, optional
             Whether ``report["critical_friction"]`` is wanted.
+        mu : float or (n_c,), optional
+            Friction coefficients of the contact nodes in place of the scene's, such as a random field; not with a checkpoint.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
         checkpoint : str or os.PathLike, optional
@@ -422,8 +433,10 @@ class Model:
             told = counted
 
         self = self._as_said()
+        if mu is not None and checkpoint is not None:
+            raise ValueError("mu: a checkpoint is of the scene's own friction; leave out one of the two")
         options = {
-            "uniqueness": bool(uniqueness), "max_iterations": most, "tolerance": tolerance,
+            "uniqueness": bool(uniqueness), "mu": None if mu is None else vector("mu", mu, self.problem.n_c), "max_iterations": most, "tolerance": tolerance,
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:
@@ -468,7 +481,7 @@ def _restore(
 
 def run(
     scene: SceneLike, overrides: Mapping[str, Any] | None = None, *, mesh: Any = None, linear: Linear = "auto", keep_u: KeepU = "all",
-    callback: Callback | None = None, progress: bool = False, uniqueness: bool = False,
+    callback: Callback | None = None, progress: bool = False, uniqueness: bool = False, mu: ArrayLike | None = None,
     max_iterations: int | None = None, tolerance: float | None = None, checkpoint: str | os.PathLike[str] | None = None,
     checkpoint_every: float | None = None,
 ) -> Result:
@@ -478,7 +491,7 @@ def run(
     ----------
     scene, overrides, mesh
         See `Model`.
-    linear, keep_u, callback, progress, uniqueness, max_iterations, tolerance, checkpoint, checkpoint_every
+    linear, keep_u, callback, progress, uniqueness, mu, max_iterations, tolerance, checkpoint, checkpoint_every
         See `Model.run`.
 
     Returns
@@ -500,7 +513,7 @@ def run(
     10000 N per m of depth
     """
     return Model(scene, overrides, mesh=mesh).run(
-        linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness,
+        linear=linear, keep_u=keep_u, callback=callback, progress=progress, uniqueness=uniqueness, mu=mu,
         max_iterations=max_iterations, tolerance=tolerance, checkpoint=checkpoint, checkpoint_every=checkpoint_every,
     )
 

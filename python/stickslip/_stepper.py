@@ -168,9 +168,12 @@ class Stepper:
         called(callback)
         raw = self._core.step(tables, keep(keep_u, 1), callback)
         self.work = {name: raw[name] for name in self.work}
+        # The core counts increments from the beginning.
+        raw["kept"] = [1 for _ in raw["kept"]]
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
-        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear)._told()
+        moved = [new_drift[None, :, k] for k in range(d)]
+        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, drift=moved)._told()
 
     def save(self) -> StepperState:
         """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.
