@@ -88,8 +88,9 @@ def capacity(
     Examples
     --------
     >>> import stickslip as ss
-    >>> found = ss.capacity(ss.Scene.example("two_blocks"), 1)
+    >>> found = ss.capacity(ss.Scene.example("block"), 1)
     >>> found.holds, round(found.safety, 2), found.held
+    (True, 1.25, '(50000, 0) N/m2')
     """
     name, text, files = _read(scene)
     try:

@@ -31,8 +31,8 @@ class Cycle:
     slip_net : ndarray, shape (n_c, d)
         The slip from the beginning to the end, m.
     pressed_path : ndarray, shape (n_c,) or None
-        The integral of the pressure over the slip path, Pa m: times Archard's coefficient, 1/Pa, it is the wear depth. None for a
-        problem of matrices without weights.
+        The integral of the pressure over the slip path, Pa m: times Archard's coefficient, 1/Pa, it is the wear depth. It takes the
+        mean of the pressures at both ends of an increment. None for a problem of matrices without weights.
     """
 
     start: float
@@ -43,34 +43,37 @@ class Cycle:
     pressed_path: Array | None
 
 
-def of(result: Result, start: float, end: float | None) -> Cycle:
+def of(result: Result, start: float | None, end: float | None) -> Cycle:
     """`Result.cycle`."""
-    end = float(result.t[-1]) if end is None else float(end)
+    if not len(result.t):
+        raise ValueError("start: the result has no increment")
+    begun, slip = result._begun, result.slip
+    time, before, normal = begun or (0.0, np.zeros_like(slip[0]), np.zeros_like(result.p_n[0]))
+    start, end = (default if value is None else float(value) for value, default in ((start, time), (end, float(result.t[-1]))))
     near = 1e-9 * float(result.t[-1])
-    rows = np.flatnonzero((result.t > start + near) & (result.t < end + near))
-    ends = [0.0, *result.t]
-    for name, time in (("start", start), ("end", end)):
-        if not np.isclose(ends, time, rtol=0, atol=near).any():
-            raise ValueError(f"{name}: no increment ends at {time:g} s")
+    for name, value in (("start", start), ("end", end)):
+        if not np.isclose([time, *result.t], value, rtol=0, atol=near).any():
+            raise ValueError(f"{name}: no increment of the result begins or ends at {value:g} s")
+    converged = np.array([record["status"] == "converged" for record in result.records])
+    rows = np.flatnonzero((result.t > start + near) & (result.t < end + near) & converged)
     if not len(rows):
-        raise ValueError(f"end: {end:g} s found, expected a time after {start:g} s")
-    slip = result.slip
+        raise ValueError(f"end: no increment that converged is between {start:g} and {end:g} s")
     first = int(rows[0])
-    known = np.asarray(np.isfinite(slip).all(axis=(1, 2)))
-    lost = [k for k in (*range(max(first - 1, 0), first), *rows) if not known[k]]
-    if lost:
-        raise ValueError(f'start: the displacements of increment {lost[0]} were not kept; take keep_u="all"')
-    before = slip[first - 1] if first else np.zeros_like(slip[0])
-    steps = np.diff(np.concatenate([before[None], slip[rows]]), axis=0)
-    steps *= (result.contact[rows] == SLIP)[:, :, None]
+    if first:
+        before, normal = slip[first - 1], result.p_n[first - 1]
+    slips = np.concatenate([before[None], slip[rows]])
+    known = np.asarray(np.isfinite(slips).all(axis=(1, 2)))
+    if not known.all():
+        raise ValueError(f'start: the displacements of increment {first - 1 + int(np.argmin(known))} were not kept; take keep_u="all"')
+    steps = np.diff(slips, axis=0) * (result.contact[rows] == SLIP)[:, :, None]
     lengths = np.sqrt((steps**2).sum(axis=2))
     try:
-        pressure = result.pressure
+        pressure = result.pressure[rows]
     except ValueError:
         pressed = None
     else:
-        last = pressure[first - 1] if first else np.zeros_like(pressure[0])
-        levels = np.concatenate([last[None], pressure[rows]])
+        last = result.pressure[first - 1] if first else normal / result._posed[0].weight if begun else np.zeros_like(pressure[0])
+        levels = np.concatenate([last[None], pressure])
         pressed = (0.5 * (levels[1:] + levels[:-1]) * lengths).sum(axis=0)
     work = (result.p_t[rows] * steps).sum(axis=(0, 2))
     return Cycle(start, end, work, lengths.sum(axis=0), steps.sum(axis=0), pressed)

@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import ArrayLike
 from scipy.sparse.linalg import splu
 
-from ._arrays import Array, finite, matrix, rows_or_row
+from ._arrays import Array, finite, matrix, rows_or_row, symmetric
 from ._kinds import OPEN, SLIP
 
 if TYPE_CHECKING:
@@ -49,19 +49,27 @@ def of(problem: ContactProblem, result: Result, force: ArrayLike, gap: ArrayLike
     m, n_c, d, n_u = len(result.t), problem.n_c, problem.tangents, problem.n_u
     if result.p_n.shape != (m, n_c) or result.u.shape[1:] != (n_u,):
         raise ValueError("result is of another problem")
+    if result._begun is not None:
+        raise ValueError("result: it goes on from an earlier increment; join all of the stepper's: first.joined(*later)")
     if not result.converged or result.kept != tuple(range(m)):
         raise ValueError('result: a history that converged, with the displacements of all increments (keep_u="all"), is expected')
     divided = [record["index"] for record in result.records if record["parts"] != 1]
     if divided:
-        raise ValueError(f"result: increment {divided[0] - 1} was divided, so that its path is not known; take more increments")
+        raise ValueError(f"result: increment {divided[0] - 1} was divided, so that its path is not known; take more increments, and no exact path")
     d_force, d_gap, d_mu = _rows("force", force, m, n_u), _rows("gap", gap, m, n_c), _rows("mu", mu, m, n_c)
-    d_K = None if K is None else matrix("K", K, sp.csr_array)
-    if d_K is not None and d_K.shape != (n_u, n_u):
-        raise ValueError(f"K has the shape {d_K.shape}, expected {(n_u, n_u)}")
+    d_K = None if K is None else matrix("K", K, sp.csc_array)
+    if d_K is not None:
+        if d_K.shape != (n_u, n_u):
+            raise ValueError(f"K has the shape {d_K.shape}, expected {(n_u, n_u)}")
+        d_K = symmetric(d_K, True)
     stiffness, C_n, C_t = sp.csr_array(problem.K), problem.C_n, problem.C_t
     found = Derivative(np.zeros((m, n_u)), np.zeros((m, n_c)), np.zeros((m, n_c, d)))
     moved, scale = np.zeros((n_c, d)), float(np.abs(stiffness.diagonal()).mean())
     for k in range(m):
+        of_contact = C_n.T @ result.p_n[k] + sum(C.T @ result.p_t[k, :, i] for i, C in enumerate(C_t))
+        rest = stiffness @ result.u[k] + of_contact - result.force[k]
+        if np.abs(rest).max() > 1e-6 * max(np.abs(result.force[k]).max(), np.abs(of_contact).max()):
+            raise ValueError(f"result is of another problem: its forces and displacements of increment {k} are not in equilibrium here")
         size = np.sqrt((result.p_t[k] ** 2).sum(axis=1))
         touches = result.contact[k] != OPEN
         slips = touches & (result.contact[k] == SLIP)

@@ -90,6 +90,8 @@ class Fields:
 
     #: Of a problem of matrices: the problem, and the motion of the obstacle past each node, m, (m, n_c, d).
     _posed: ClassVar[Any] = None
+    #: Of a later step: the time of its beginning, s, with the slip, m, and the normal forces, N, there.
+    _begun: ClassVar[Any] = None
 
     def _model(self) -> _Body:
         if self.model is None:

@@ -276,15 +276,15 @@ class ContactProblem(Matrices):
         Parameters
         ----------
         result : Result
-            A history of this problem, with all displacements, none of whose increments was divided.
+            A history of this problem from its beginning, with all displacements, none of whose increments was divided.
         force : (n_u,) or (m, n_u), optional
             The direction in which the data change: nodal forces, N, per unit of what they depend on.
         gap : float, (n_c,) or (m, n_c), optional
             Gaps, m, at the ends of the increments.
         mu : float, (n_c,) or (m, n_c), optional
-            Friction coefficients.
+            Friction coefficients; of nodes without friction they do not count.
         K : matrix, (n_u, n_u), optional
-            Stiffness, N/m: ``K=problem.K / E`` for Young's modulus E.
+            Stiffness, N/m, symmetric: ``K=problem.K / E`` for Young's modulus E.
 
         Returns
         -------

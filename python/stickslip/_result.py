@@ -243,16 +243,16 @@ class Result(Fields):
             raise NotConverged(self.message, self)
         return self
 
-    def cycle(self, start: float = 0.0, end: float | None = None) -> _cycle.Cycle:
+    def cycle(self, start: float | None = None, end: float | None = None) -> _cycle.Cycle:
         """Friction work, slip path and pressure along it of each contact node in a part of the history, such as a load cycle.
 
-        Forces at the end of an increment count for all of its slip. Increments that the run divided count as one: the program's
-        ``cycle.csv`` has their parts.
+        Friction forces at the end of an increment count for all of its slip, and a node slips in an increment if it does at its end.
+        Increments that the run divided count as one: the program's ``cycle.csv`` has their parts.
 
         Parameters
         ----------
         start, end : float, optional
-            Its times, s, ends of increments; the whole history without them.
+            Its times, s, ends of increments; the whole result without them.
 
         Returns
         -------
@@ -269,17 +269,22 @@ class Result(Fields):
         return _cycle.of(self, start, end)
 
     def joined(self, *later: Result) -> Result:
-        """This history and later ones as one: the increments of a `Stepper`, or steps that follow each other.
+        """This result and later increments of the same `Stepper` as one history.
 
         Parameters
         ----------
         *later : Result
-            In order; their times increase, or are counted from the end of the one before.
+            In order, each from the end of the one before; tries that did not converge are left out.
 
         Returns
         -------
         Result
-            With the verdict of the last, without a report.
+            With the verdict of the last.
+
+        Raises
+        ------
+        ValueError
+            A result that does not continue the one before, such as one of `ContactProblem.solve`, which begins unloaded.
 
         Examples
         --------
@@ -289,31 +294,33 @@ class Result(Fields):
         >>> first.joined(*later).p_t[:, 0, 0]
         array([ 0., 20., 30.])
         """
-        parts, counts = (self, *later), np.cumsum([0, *(len(part.t) for part in (self, *later))])
-        if any(part.p_t.shape[1:] != self.p_t.shape[1:] or part.u.shape[1:] != self.u.shape[1:] for part in later):
-            raise ValueError("later: results of one body are expected")
-        if any(not part.converged for part in parts[:-1]):
-            raise ValueError("later: only the last history may have ended early")
+        parts = (self, *later)
+        for before, part in zip(parts, later):
+            if not isinstance(part, Result):
+                raise TypeError(f"later: results expected, {type(part).__name__} found")
+            if not before.converged:
+                raise ValueError("later: only the last result may have ended early; leave out tries that did not converge")
+            begun = part._begun
+            if begun is None or before._posed is None or begun[0] != before.t[-1] or part._posed[0] is not before._posed[0]:
+                raise ValueError("later: a result does not begin where the one before ended: increments of one Stepper are expected, in order")
         arrays: dict[str, Any] = {
             f.name: np.concatenate([getattr(part, f.name) for part in parts]) for f in fields(self) if f.name not in _NOT_ARRAYS
         }
-        ends: list[Array] = []
+        tables, kept, records, count = [], [], [], 0
         for part in parts:
-            shift = ends[-1][-1] if ends and len(part.t) and part.t[0] <= ends[-1][-1] else 0.0
-            ends.append(part.t + shift)
-        arrays["t"] = np.concatenate(ends)
-        moments = zip(arrays["t"], (record for part in parts for record in part.records))
-        rows = [part.iterations.copy() for part in parts]
-        for table, before in zip(rows, counts):
-            table["increment"] += before
+            table = part.iterations.copy()
+            table["increment"] += count + 1 - part.records[0]["index"]
+            tables.append(table)
+            kept += [count + k for k in part.kept]
+            records += [{**record, "index": count + k + 1} for k, record in enumerate(part.records)]
+            count += len(part.t)
         whole = Result(
-            status=parts[-1].status, reason=parts[-1].reason, kept=tuple(int(n) + k for n, part in zip(counts, parts) for k in part.kept),
-            records=[{**record, "index": k + 1, "time": float(t)} for k, (t, record) in enumerate(moments)],
-            iterations=np.concatenate(rows).view(np.recarray), report={}, model=self.model, **arrays,
+            status=parts[-1].status, reason=parts[-1].reason, kept=tuple(kept), records=records,
+            iterations=np.concatenate(tables).view(np.recarray), report={}, model=self.model, **arrays,
         )
-        posed = [part._posed for part in parts]
-        if all(posed):
-            whole.__dict__["_posed"] = posed[0][0], np.concatenate([drift for _, drift in posed])
+        if later:
+            whole.__dict__["_posed"] = self._posed[0], np.concatenate([part._posed[1] for part in parts])
+        whole.__dict__["_begun"] = self._begun
         return whole
 
     def _amount(self) -> str:

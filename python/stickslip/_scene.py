@@ -367,7 +367,8 @@ class Model:
         uniqueness : bool, optional
             Whether ``report["critical_friction"]`` is wanted.
         mu : float or (n_c,), optional
-            Friction coefficients of the contact nodes in place of the scene's, such as a random field; not with a checkpoint.
+            Friction coefficients of the contact nodes in place of the scene's, such as a random field; not with a checkpoint. The model
+            keeps those of the scene, and the result has these.
         max_iterations, tolerance : int, float, optional
             In place of the scene's.
         checkpoint : str or os.PathLike, optional

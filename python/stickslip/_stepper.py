@@ -24,14 +24,14 @@ class StepperState:
 
     _stepper: Stepper
     _core: Any
-    _ends: tuple[Array, ...]
+    _ends: tuple[Any, ...]
     _time: float
 
     def __init__(self, *_: object, **__: object) -> None:
         raise TypeError("a StepperState is made by `Stepper.save`")
 
     @classmethod
-    def _of(cls, stepper: Stepper, core: Any, ends: tuple[Array, ...]) -> StepperState:
+    def _of(cls, stepper: Stepper, core: Any, ends: tuple[Any, ...]) -> StepperState:
         self = cls.__new__(cls)
         self._stepper, self._core, self._ends, self._time = stepper, core, ends, stepper.t
         return self
@@ -81,6 +81,8 @@ class Stepper:
     _gap: Array
     _drift: Array
     _mu: Array
+    #: The last increment that converged: its end, and slip and normal forces there.
+    _last: tuple[float, Array, Array] | None
 
     def __init__(self, *_: object, **__: object) -> None:
         raise TypeError("a Stepper is made by `ContactProblem.stepper`, such as problem.stepper(gap=1e-5)")
@@ -92,6 +94,7 @@ class Stepper:
         self._core, self._linear = _core.Stepper(problem._core, options, linear), linear
         self._force, self._gap = np.zeros(problem.n_u), vector("gap", gap, problem.n_c)
         self._drift, self._mu = np.zeros((problem.n_c, problem.tangents)), problem.mu
+        self._last = None
         return self
 
     @property
@@ -173,7 +176,11 @@ class Stepper:
         if self._core.time > begun:
             self._force, self._gap, self._drift, self._mu = new_force, new_gap, new_drift, rows
         moved = [new_drift[None, :, k] for k in range(d)]
-        return Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, drift=moved)._told()
+        result = Result._of(raw, self.problem, reason=reason_of(raw), linear=self._linear, drift=moved)
+        result.__dict__["_begun"] = self._last
+        if self._core.time > begun:
+            self._last = self._core.time, result.slip[-1], result.p_n[-1]
+        return result._told()
 
     def save(self) -> StepperState:
         """The state of the stepper, for `restore`: an implicit coupling takes back an increment and solves it again.
@@ -201,7 +208,7 @@ class Stepper:
         >>> stepper.t, bool(np.isclose(x, (200.0 - 30.0) / 4e6))
         (1.0, True)
         """
-        return StepperState._of(self, self._core.save(), (self._force, self._gap, self._drift, self._mu))
+        return StepperState._of(self, self._core.save(), (self._force, self._gap, self._drift, self._mu, self._last))
 
     def restore(self, state: StepperState) -> None:
         """Goes back to where `save` was called. The next increment is what it would have been there.
@@ -221,7 +228,7 @@ class Stepper:
         if state._stepper is not self:
             raise ValueError("state is that of another stepper")
         self._core.restore(state._core)
-        self._force, self._gap, self._drift, self._mu = state._ends
+        self._force, self._gap, self._drift, self._mu, self._last = state._ends
 
     def __reduce__(self) -> Any:
         raise TypeError("a Stepper is live: it is neither copied nor pickled; `save` and `restore` go back to an increment")

@@ -56,7 +56,7 @@ def test_wrong_cycles() -> None:
     problem = ss.ContactProblem(np.diag([2e6, 1e6]), [[0, -1]], [[1, 0]], mu=0.3)
     forces = [[0.0, -100.0], [40.0, -100.0]]
     result = problem.solve(forces)
-    for start, end, said in ((0.3, None, "start: no increment ends at 0.3 s"), (0.5, 0.5, "end: 0.5 s found"), (0.0, 2.0, "end: no increment")):
+    for start, end, said in ((0.3, None, "start: no increment of the result begins or ends at 0.3 s"), (0.5, 0.5, "end: no increment that converged is between"), (0.0, 2.0, "end: no increment")):
         with pytest.raises(ValueError, match=said):
             result.cycle(start, end)
     assert result.cycle().pressed_path is None
@@ -73,10 +73,20 @@ def test_steps_put_together_are_the_history() -> None:
     assert result.p_n == pytest.approx(whole.p_n, abs=1e-7 * whole.p_n.max())
     assert result.cycle(10.0).friction_work == pytest.approx(whole.cycle(1.0).friction_work, rel=1e-5, abs=1e-12)
     assert [record["index"] for record in result.records] == list(range(1, 21)) and result.iterations.increment[-1] >= 20
-    # Times that are counted anew go on.
-    assert first.joined(first).t == pytest.approx([1.0, 2.0])
-    with pytest.raises(ValueError, match="of one body"):
-        first.joined(ss.ContactProblem(np.eye(2), [[0, -1]], [[1, 0]], mu=0.3).solve([0.0, -1.0]))
+    # Later increments alone know where they begin.
+    tail = later[9].joined(*later[10:])
+    for found, expected in ((tail.cycle(), result.cycle(10.0)), (later[9].cycle(), result.cycle(10.0, 11.0))):
+        assert found.start == 10.0 and found.slip_path == pytest.approx(expected.slip_path, rel=1e-12, abs=1e-20)
+        assert found.pressed_path == pytest.approx(expected.pressed_path, rel=1e-9, abs=1e-15)
+    assert result.iterations.increment.max() <= 20 and tail.iterations.increment.max() <= 10
+    with pytest.raises(ValueError, match="join all of the stepper's"):
+        model.problem.derivative(tail, mu=1.0)
+    other = ss.ContactProblem(np.eye(2), [[0, -1]], [[1, 0]], mu=0.3).solve([0.0, -1.0])
+    for wrong in (first, later[1], whole, other):
+        with pytest.raises(ValueError, match="does not begin where the one before ended"):
+            first.joined(wrong)
+    with pytest.raises(TypeError, match="results expected"):
+        first.joined(3)  # type: ignore[arg-type]
 
 
 def test_friction_of_each_node_of_a_scene() -> None:
@@ -146,5 +156,9 @@ def test_wrong_derivatives() -> None:
     for options, said in (({"mu": [1.0, 2.0, 3.0]}, "mu has the shape"), ({"K": np.eye(3)}, "K has the shape"), ({"gap": np.nan}, "gap")):
         with pytest.raises(ValueError, match=said):
             problem.derivative(result, **options)
+    stiff = ss.ContactProblem(np.array([[2e6, 1e5], [1e5, 1e6]]), [[0, -1]], [[1, 0]], mu=0.3)
+    for of, along, said in ((problem, {"K": np.tril(np.ones((2, 2)))}, "not symmetric"), (stiff, {"mu": 1.0}, "of another problem")):
+        with pytest.raises(ValueError, match=said):
+            of.derivative(result, **along)
     with pytest.raises(ValueError, match="displacements of all increments"):
         problem.derivative(problem.solve([[0.0, -100.0], [40.0, -100.0]], keep_u="last"))

@@ -35,11 +35,11 @@ pub struct Capacity {
     /// Its last factor in the history.
     pub last: f64,
     /// The factors of the load, relative to its last value, at which equilibrium was found and at which the joint
-    /// slips; `None` if the joint does not slip as a whole.
+    /// slips, or has no equilibrium; `None` if it holds all factors, or is not known.
     pub between: Option<[f64; 2]>,
-    /// The first contact that carries force at the end of the history itself and none later, with the factor of the
-    /// load.
-    pub opens: Option<(String, f64)>,
+    /// The first contact that carries force at the end of the history itself and none later, with the factors of the
+    /// load between which it opens.
+    pub opens: Option<(String, [f64; 2])>,
     /// The report of the run.
     pub report: RunReport,
 }
@@ -77,43 +77,52 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         within(time, &history).last().map_or(0.0, |[_, factor]| factor / last)
     };
     let opens = |longer: &Scene, report: &RunReport| {
-        let (before, after): (Vec<_>, Vec<_>) =
-            report.forces.iter().partition(|record: &&ForceRecord| record.time <= scene.time.end);
-        let pressed = |name: &str| {
-            let last = before.iter().rfind(|record| record.resultant.boundary == name);
-            last.is_some_and(|record| record.resultant.sums.sum_p_n > 0.0)
+        let sum = |record: &ForceRecord| record.resultant.sums.sum_p_n;
+        let before = |first: &&ForceRecord| {
+            let is_before = |record: &&ForceRecord| {
+                record.resultant.boundary == first.resultant.boundary && record.time < first.time
+            };
+            report.forces.iter().rfind(is_before).filter(|before| sum(before) > 0.0)
         };
-        let has_opened =
-            |record: &&ForceRecord| record.resultant.sums.sum_p_n == 0.0 && pressed(&record.resultant.boundary);
-        let first = after.into_iter().find(has_opened)?;
-        Some((first.resultant.boundary.clone(), factor_at(longer, first.time)))
+        let has_opened = |record: &&ForceRecord| record.time > scene.time.end && sum(record) == 0.0;
+        let mut opened = report.forces.iter().filter(has_opened).filter_map(|first| Some((before(&first)?, first)));
+        let (before, first) = opened.next()?;
+        Some((first.resultant.boundary.clone(), [before.time, first.time].map(|time| factor_at(longer, time))))
     };
     let found = |between, longer: &Scene, report: RunReport| {
         let action = scene.description.loads[load].action.clone();
         Capacity { load, action, last, between, opens: opens(longer, &report), report }
     };
+    let is_exact = scene.solver.method.is_exact_path();
     let mut known: Option<Capacity> = None;
     for _ in 0..RUNS {
         let report = Run::new(&longer)?.solve(observer)?;
-        let slip = report.explanation.slip.as_ref();
-        let is_exact = scene.solver.method.is_exact_path();
-        let between = slip.and_then(of_load).map(|[holds, slips]| [holds, if is_exact { holds } else { slips }]);
-        let between = between.map(|factors| factors.map(|factor| factor / last));
-        if let (Some([holds, slips]), Some(slip)) = (between, slip) {
-            let [from, by] = slip.between;
+        let reached = report.increments.iter().rfind(|record| record.status == Status::Converged);
+        let reached = reached.map_or(0.0, |record| record.time);
+        // Times and factors between which the joint gives way.
+        let interval = match (&report.explanation.slip, report.increments.last()) {
+            (Some(slip), _) => of_load(slip).map(|[holds, slips]| {
+                (slip.between, [holds, if is_exact { holds } else { slips }].map(|factor| factor / last))
+            }),
+            (None, Some(failed)) if report.status == Status::NoEquilibrium => {
+                let times = [reached, failed.time];
+                Some((times, times.map(|time| factor_at(&longer, time))))
+            }
+            _ => None,
+        };
+        if let Some(([from, by], between @ [holds, gives_way])) = interval {
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
-            known = Some(found(between, &longer, report));
-            if slips - holds <= CLOSE * slips {
+            known = Some(found(Some(between), &longer, report));
+            if gives_way - holds <= CLOSE * gives_way {
                 break;
             }
-        } else if let Some(Capacity { between: Some([holds, slips]), .. }) = &mut known {
+        } else if let Some(Capacity { between: Some([holds, gives_way]), .. }) = &mut known {
             // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
-            let reached = report.increments.iter().rfind(|record| record.status == Status::Converged);
-            *holds = reached.map_or(*holds, |record| factor_at(&longer, record.time).max(*holds).min(*slips));
+            *holds = factor_at(&longer, reached).max(*holds).min(*gives_way);
             break;
         } else {
-            return Ok(Ok(found(between, &longer, report)));
+            return Ok(Ok(found(None, &longer, report)));
         }
     }
     Ok(known.ok_or_else(|| "no run was asked for".to_string()))
@@ -196,28 +205,37 @@ impl Capacity {
                 let [from, by] = slip.between;
                 format!("the joint slips as a whole between t = {from} s and {by} s, where load[{load}] is constant")
             }
+            (Some([holds, gives_way]), None, _) => {
+                let held = self.held().unwrap_or_default();
+                format!(
+                    "load[{load}] times {holds:.4}, {held}, holds; beyond {gives_way:.4} nothing balances the loads"
+                )
+            }
             (_, _, Status::Converged) => format!("the joint holds {most} times load[{load}] without slip as a whole"),
             (_, _, status) => {
                 format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
             }
         };
-        let opens =
-            |(name, factor): &(String, f64)| format!("{found}; `{name}` is open by load[{load}] times {factor:.4}");
+        let opens = |(name, [before, open]): &(String, [f64; 2])| {
+            format!("{found}; `{name}` opens between load[{load}] times {before:.4} and {open:.4}")
+        };
         self.opens.as_ref().map_or_else(|| found.clone(), opens)
     }
 
     /// Returns the capacity as one JSON object.
     pub fn to_json(&self) -> Value {
+        let report = self.report.to_value().unwrap_or_default();
         json!({
             "title": self.report.title,
             "load": self.load,
             "safety": self.between.map(|[holds, _]| holds),
             "held": self.held(),
             "between": self.between,
-            "opens": self.opens.as_ref().map(|(boundary, factor)| json!({ "boundary": boundary, "factor": factor })),
+            "opens": self.opens.as_ref().map(|(boundary, factors)| json!({ "boundary": boundary, "between": factors })),
             "status": self.report.status,
             "message": self.sentence(),
-            "slip": self.report.explanation.slip,
+            "slip": report.get("slip"),
+            "units": report.get("units"),
             "warnings": self.report.warnings,
         })
     }

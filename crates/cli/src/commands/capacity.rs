@@ -30,7 +30,9 @@ pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<E
     let found = capacity::compute(&scene, load, &mut interrupt::UntilInterrupted)?.map_err(refused)?;
     let json = pretty(&changed(found.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n", scene.title);
-    text.push_str(&paragraph("safety", &format!("{} against slip as a whole", found.safety())));
+    let slips = found.between.is_none() || found.report.explanation.slip.is_some();
+    let against = if slips { "slip as a whole" } else { "the loss of equilibrium" };
+    text.push_str(&paragraph("safety", &format!("{} against {against}", found.safety())));
     text.push_str(&paragraph("capacity", &found.sentence()));
     let warning = |warning: &stickslip::run::report::Warning| {
         paragraph("warning", &format!("{}: {}", warning.kind.name, warning.message))

@@ -80,6 +80,11 @@ impl<'a> Data<'a> {
 type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Result<(), MeshFormatError>;
 
 impl Keyword<'_> {
+    /// Returns the parameters with their values.
+    pub(crate) fn parameters(&self) -> &[(String, String)] {
+        &self.parameters
+    }
+
     /// Returns the value of a parameter, without quotes; empty if it has none.
     pub(crate) fn value(&self, parameter: &str) -> Option<&str> {
         let (_, value) = self.parameters.iter().find(|(name, _)| name == parameter)?;
