@@ -109,6 +109,20 @@ impl Job {
         self.when(ranks)
     }
 
+    /// Returns `true` if the job ends with status 0 within ten seconds. Otherwise it is ended.
+    pub fn ends_well(mut self) -> bool {
+        while self.start.elapsed() < Duration::from_secs(10) {
+            if let Some(status) = self.launcher.try_wait().unwrap() {
+                return status.success();
+            }
+            sleep(Duration::from_millis(10));
+        }
+        signal("-TERM", self.launcher.id());
+        sleep(Duration::from_secs(2));
+        let _ = self.launcher.kill();
+        false
+    }
+
     pub fn end(mut self) -> Ended {
         let status = loop {
             if let Some(status) = self.launcher.try_wait().unwrap() {
