@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Derivative:
-    """How a solution changes in a direction. See `ContactProblem.derivative`.
+    """The change of a solution in a direction of its data. See `ContactProblem.derivative`.
 
     Attributes
     ----------
@@ -106,11 +106,11 @@ def of(problem: ContactProblem, result: Result, force: ArrayLike, gap: ArrayLike
             raise ValueError(f"result: the forces of increment {k} are not determined by its statuses") from None
         u, p = solution[:n_u], scale * solution[n_u:]
         found.u[k] = u
-        found.p_n[k, touches] = p[: touches.sum()]
+        found.p_n[k, touches] = p[: touches.sum()] + 0.0
         now = np.stack([C @ u for C in C_t], axis=1) if d else moved
         found.p_t[k, slips] = (along * (d_mu[k] * result.p_n[k] + result.mu[k] * found.p_n[k])[:, None])[slips]
         found.p_t[k] += slips[:, None] * np.einsum("kij,kj->ki", turns, now - moved)
         for i in range(d):
-            found.p_t[k, sticks, i] = p[touches.sum() + i * sticks.sum() :][: sticks.sum()]
+            found.p_t[k, sticks, i] = p[touches.sum() + i * sticks.sum() :][: sticks.sum()] + 0.0
         moved = now
     return found

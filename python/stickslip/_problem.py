@@ -268,7 +268,7 @@ class ContactProblem(Matrices):
     def derivative(
         self, result: Result, *, force: ArrayLike = 0.0, gap: ArrayLike = 0.0, mu: ArrayLike = 0.0, K: Any = None,
     ) -> _derivative.Derivative:
-        """How a solution changes with its data, along its contact statuses: for fits and sensitivities.
+        """The derivative of a solution to its data, along its contact statuses: for fits and sensitivities.
 
         The equations of every increment are differentiated, nodes stay open, stick or slip as they are, and what an increment inherits
         from the one before is passed on. Where a status is about to change, the derivative is one of several.
@@ -311,7 +311,7 @@ class ContactProblem(Matrices):
         ...     body = problem.with_(mu=mu)
         ...     result = body.solve([[0.0, -100.0], [40.0, -100.0]])
         ...     mu -= (result.u[1, 0] - 2e-6) / body.derivative(result, mu=1.0).u[1, 0]
-        >>> round(mu, 9)
+        >>> round(float(mu), 9)
         0.36
         """
         return _derivative.of(self, result, force, gap, mu, K)
