@@ -28,7 +28,7 @@ class Capacity:
     held : str or None
         The load that the joint holds, in the units of the scene.
     opens : dict or None
-        ``boundary`` and ``factor`` of the first contact that opens on the way.
+        ``boundary`` of the first contact that opens on the way, and the factors ``between`` which it does.
     status : str
         The status of the last run: "slips", "converged" where the joint holds 1024 times the load, or why there is no capacity.
     message : str

@@ -29,14 +29,16 @@ const keyRow = (...cells) => {
 };
 // The friction of each contact that is in use, the largest share first.
 const uses = [...(report.friction_use || [])].sort((a, b) => b.largest - a.largest);
+// Nodes that slip without a hundredth of the friction in use, as radially under the head of a bolt, are no verdict.
+const [used, ...further] = uses.filter(({ largest }) => largest >= 0.01);
 const AT_THE_END = { open: "nothing touches", stick: "it sticks", partial: "it slips in part", whole: "it slips as a whole" };
 function slipOf({ slips_from: some, slips_wholly_from: all, end }) {
   if (some == null) return "no node slips";
   if (all == null) return `some nodes slip from t = ${plain(some)} s, never all`;
   return `${some < all ? `some nodes slip from t = ${plain(some)} s, all` : "all nodes slip"} from t = ${plain(all)} s; at the end ${AT_THE_END[end]}`;
 }
-const slips = uses[0] ? ` On \`${uses[0].boundary}\` ${slipOf(uses[0])}.` : "";
-const others = uses.length > 1 ? ` ${uses.length - 1} more ${uses.length > 2 ? "contacts" : "contact"} below.` : "";
+const slips = used ? ` On \`${used.boundary}\` ${slipOf(used)}.` : "";
+const others = further.length ? ` ${further.length} more ${further.length > 1 ? "contacts" : "contact"} below.` : "";
 inCode($(".verdict"), close((!ended ? `Unfinished, ${converged} increments converged so far.` : isGood ? `Converged in all ${report.totals.converged} increments.`
   : `Not converged: ${report.status} after ${report.totals.converged} increments.`) + slips + others));
 $(".verdict").classList.add(isGood ? "good" : "bad");
@@ -51,9 +53,9 @@ const sinceLock = ({ locked_force: locked, force_range: [least, most] }) => `${r
 const numbers = [
   bolt && [`largest force of ${bolt.name}`, rounded(bolt.force_range[1], FORCE), sinceLock(bolt), { boundary: bolt.name }],
   force && ["largest contact force", rounded(force.magnitude, FORCE), told(force), force],
-  uses[0] && ["friction in use", percent(uses[0].largest), uses[0].slips_from == null ? "no node slips" : `slip begins at t = ${plain(uses[0].slips_from)} s`, uses[0]],
+  used && ["friction in use", percent(used.largest), used.slips_from == null ? "no node slips" : `slip begins at t = ${plain(used.slips_from)} s`, used],
   peak && peak.pressure && ["largest pressure", rounded(peak.pressure, STRESS), ofPeak, peak, singular],
-  !uses[0] && moved && ["largest displacement", rounded(moved.length, LENGTH), "", moved],
+  !used && moved && ["largest displacement", rounded(moved.length, LENGTH), "", moved],
 ].filter(Boolean).slice(0, 3);
 for (const [name, value, error, { boundary, time }, isWeak] of numbers) {
   const box = element("div");
