@@ -75,7 +75,7 @@ def of(problem: ContactProblem, result: Result, force: ArrayLike, gap: ArrayLike
         slips = touches & (result.contact[k] == SLIP)
         sticks = touches & ~slips
         along = np.divide(result.p_t[k], size[:, None], out=np.zeros_like(result.p_t[k]), where=size[:, None] > 0)
-        # With friction p_t = mu p_n s in place of p_t, and s turns with the direction of the slip (in space).
+        # Nodes that slip have p_t = mu p_n s, and in space s turns with the direction of the slip.
         tangent = stiffness
         right = d_force[k] - (d_K @ (result.u[k] + result.u_rest[k]) if d_K is not None else 0.0)
         carried = sp.csr_array(C_n.T)

@@ -437,7 +437,8 @@ class Model:
         if mu is not None and checkpoint is not None:
             raise ValueError("mu: a checkpoint is of the scene's own friction; leave out one of the two")
         options = {
-            "uniqueness": bool(uniqueness), "mu": None if mu is None else vector("mu", mu, self.problem.n_c), "max_iterations": most, "tolerance": tolerance,
+            "uniqueness": bool(uniqueness), "max_iterations": most, "tolerance": tolerance,
+            "mu": None if mu is None else vector("mu", mu, self.problem.n_c),
             "checkpoint": None if checkpoint is None else (checkpoint, checkpoint_every),
         }
         try:

@@ -1,6 +1,6 @@
 //! The text of a scene from an input file of Abaqus or CalculiX: materials, sections, contacts, supports and loads.
 //!
-//! What has no counterpart, or would need a choice, is never passed over: it stands in comments at the end.
+//! A keyword without a counterpart, or one that needs a choice, is never passed over: it stands in comments at the end.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -398,7 +398,7 @@ mod tests {
         }
     }
 
-    /// What is not understood is named, and never converted in part without a word.
+    /// Keywords that are not understood are named, and never converted in part without a word.
     #[test]
     fn what_is_not_converted_is_named() {
         let mesh = "*NODE\n1,0,0\n2,1,0\n3,1,1\n4,0,1\n*ELEMENT,TYPE=CPS4R,ELSET=A\n1,1,2,3,4\n*NSET,NSET=BASE\n1,2\n";

@@ -14,7 +14,7 @@ use super::{Failure, output};
 pub(super) struct InitArgs {
     /// Kind of body or joint; without one the kinds are listed
     kind: Option<Kind>,
-    /// With `abaqus`: the input file
+    /// The input file, for `abaqus`
     file: Option<PathBuf>,
     /// Write the scene and the files that it reads into this folder
     #[arg(long, value_name = "DIR")]
