@@ -68,17 +68,20 @@ fn difference(a: &HistoryOutcome, b: &HistoryOutcome) -> f64 {
 }
 
 /// Where a body slides as a whole the rates of all forces are rounding, and in a slender one rounding would decide statuses.
+/// A strip touches while its forces are small: the rounding of its gaps would be a penetration, of 1e-10 in the thinner one.
 #[test]
 fn rounding_does_not_decide() {
     let wedge = include_str!("../../data/scenes/wedge.toml");
     let strip = include_str!("../../data/scenes/strip.toml");
-    for (model, end) in [(model_with(wedge, &[]), 2.0), (model_with(strip, &["mesh.elements=[60,2]"]), 3.0)] {
+    let thick = model_with(strip, &["mesh.elements=[60,2]"]);
+    let thin = model_with(strip, &["mesh.elements=[60,2]", "mesh.size=[20,0.1]"]);
+    for (model, end) in [(model_with(wedge, &[]), 2.0), (thick, 3.0), (thin, 3.0)] {
         let times = equal_increments(end, 4);
         let [whole, condensed] = both().map(|linear| exact(&model, &times, linear));
         for outcome in [&whole, &condensed] {
             assert_eq!(outcome.status, Status::Converged);
             // Relative to the contact forces, which are smaller than the loads of the strip.
-            assert!(worst(outcome) <= 2e-11, "{:e}", worst(outcome));
+            assert!(worst(outcome) <= 1e-11, "{:e}", worst(outcome));
         }
         assert!(difference(&whole, &condensed) < 1e-9, "{:e}", difference(&whole, &condensed));
     }

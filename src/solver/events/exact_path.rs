@@ -340,9 +340,11 @@ impl<'a> ExactPath<'a> {
         ];
     }
 
-    /// Returns the distance of a node from its obstacle.
+    /// Returns the distance of a node from its obstacle. Where displacements have low-order parts, it has them, too: a
+    /// rounding of the gap would be a penetration at contact forces that are still small.
     fn distance(&self, i: usize) -> f64 {
-        self.now.stretch.at.gap[i] + self.now.share * self.now.stretch.change.gap[i] - self.now.at.w_n[i]
+        let Reached { stretch, share, at, .. } = &self.now;
+        -self.loads.problem.c_n().difference(i, &at.u, &at.u_rest, stretch.at.gap[i] + share * stretch.change.gap[i])
     }
 
     /// Returns how far the friction of a node is from the border of its cone in the direction of `sign`.

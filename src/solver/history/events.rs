@@ -263,8 +263,7 @@ impl ExactHistory<'_> {
         let judgement = Judgement::near(problem, &increment, &state, &self.scales[1], tolerance)?;
         let kkt = in_progress.sum.kkt.max(&judgement.errors());
         self.outcome.rounding = judgement.rounding();
-        let violation = judgement.worst();
-        let scales = judgement.scales();
+        let (violation, scales) = (judgement.worst(), judgement.scales());
         self.scales[1] = scales.clone();
         let judged = if is_solution(&kkt, tolerance) { Status::Converged } else { Status::Inaccurate };
         let status = status.unwrap_or(judged);
@@ -292,7 +291,8 @@ impl ExactHistory<'_> {
         if status == Status::Converged {
             (self.outcome.state, self.outcome.scales) = (state, scales);
         } else {
-            self.outcome.violation = Some(violation);
+            // The largest error of a step from event to event belongs to another state, and so does its place.
+            self.outcome.violation = (violation.error >= kkt.worst().1).then_some(violation);
         }
         self.outcome.push(record, self.settings.keeps_records);
         Ok(flow)
