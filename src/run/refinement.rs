@@ -3,11 +3,11 @@
 //!
 //! The cells with half of the squared error `η²` of [`DiscretisationError`] get half their size (Dörfler, SIAM J. Numer.
 //! Anal. 33 (1996) 1106). The error of a cell is its largest at the output times, or at the end, relative to the energy
-//! of its body, or of all bodies in contact with it; refinement stops by the largest error of such a part. Errors are largest at the ends of contact zones and at
-//! corners, so that most cells are there.
+//! of its body, or of all bodies in contact with it; refinement stops by the largest error of such a part. Errors are
+//! largest at the ends of contact zones and at corners, so that most cells are there.
 //!
-//! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so that a
-//! polygon becomes a circle.
+//! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so
+//! that a polygon becomes a circle.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 

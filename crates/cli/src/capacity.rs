@@ -94,8 +94,9 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         Capacity { load, action, last, between, opens: opens(longer, &report), report }
     };
     let is_exact = scene.solver.method.is_exact_path();
-    let mut known: Option<Capacity> = None;
-    for _ in 0..RUNS {
+    let (mut known, mut runs): (Option<Capacity>, usize) = (None, 0);
+    loop {
+        runs += 1;
         let report = Run::new(&longer)?.solve(observer)?;
         let reached = report.increments.iter().rfind(|record| record.status == Status::Converged);
         let reached = reached.map_or(0.0, |record| record.time);
@@ -113,19 +114,20 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         if let Some(([from, by], between @ [holds, gives_way])) = interval {
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
-            known = Some(found(Some(between), &longer, report));
-            if gives_way - holds <= CLOSE * gives_way {
-                break;
+            let capacity = found(Some(between), &longer, report);
+            if runs == RUNS || gives_way - holds <= CLOSE * gives_way {
+                return Ok(Ok(capacity));
             }
-        } else if let Some(Capacity { between: Some([holds, gives_way]), .. }) = &mut known {
-            // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
-            *holds = factor_at(&longer, reached).max(*holds).min(*gives_way);
-            break;
+            known = Some(capacity);
         } else {
-            return Ok(Ok(found(None, &longer, report)));
+            let mut capacity = known.unwrap_or_else(|| found(None, &longer, report));
+            if let Some([holds, gives_way]) = &mut capacity.between {
+                // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
+                *holds = factor_at(&longer, reached).max(*holds).min(*gives_way);
+            }
+            return Ok(Ok(capacity));
         }
     }
-    Ok(known.ok_or_else(|| "no run was asked for".to_string()))
 }
 
 /// Lets the history go on while the load doubles. Returns its factor at the end so far.
@@ -193,24 +195,18 @@ impl Capacity {
 
     /// Returns the capacity in a sentence, with the motion.
     pub fn sentence(&self) -> String {
-        let (load, most) = (self.load, 1 << DOUBLINGS);
+        let (load, most, held) = (self.load, 1 << DOUBLINGS, self.held().unwrap_or_default());
         let found = match (self.between, &self.report.explanation.slip, self.report.status) {
-            (Some([holds, slips]), Some(slip), _) => {
-                let (motion, held) = (&slip.motion, self.held().unwrap_or_default());
-                format!(
-                    "load[{load}] times {holds:.4}, {held}, holds; beyond {slips:.4} the joint slips as a whole: {motion}"
-                )
-            }
+            (Some([holds, slips]), Some(JointSlip { motion, .. }), _) => format!(
+                "load[{load}] times {holds:.4}, {held}, holds; beyond {slips:.4} the joint slips as a whole: {motion}"
+            ),
             (None, Some(slip), _) => {
                 let [from, by] = slip.between;
                 format!("the joint slips as a whole between t = {from} s and {by} s, where load[{load}] is constant")
             }
-            (Some([holds, gives_way]), None, _) => {
-                let held = self.held().unwrap_or_default();
-                format!(
-                    "load[{load}] times {holds:.4}, {held}, holds; beyond {gives_way:.4} nothing balances the loads"
-                )
-            }
+            (Some([holds, gives_way]), None, _) => format!(
+                "load[{load}] times {holds:.4}, {held}, holds; beyond {gives_way:.4} nothing balances the loads"
+            ),
             (_, _, Status::Converged) => format!("the joint holds {most} times load[{load}] without slip as a whole"),
             (_, _, status) => {
                 format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
