@@ -1,6 +1,6 @@
 """Error against CPU time of uniform meshes and of meshes that refine themselves, and told against true uncertainty.
 
-    python3 studies/refinement.py target/release/stickslip doc/method/error-vs-time/refinement.csv [NAME]
+    python3 studies/refinement.py target/release/stickslip doc/method/refined-meshes/refinement.csv [NAME]
 
 For each quantity, the truth is a run with `mesh.refine` at a quarter or less of the finest error of the table. CPU times
 of refined meshes contain all their coarser meshes; those of uniform meshes are of one mesh alone. The bracket needs Gmsh.
@@ -136,6 +136,8 @@ def run(program, command, scene, overrides, more=(), limit=None):
 
 
 def values(report):
+    if report["status"] == "bad-input":
+        raise SystemExit(report["message"])
     if report["status"] != "converged":
         return {}
     return {
@@ -204,45 +206,41 @@ def study(program, case, folder):
     return rows
 
 
-COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d"]
+COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d", "#7b4fa3", "#b8860b", "#008b8b", "#b03060"]
 
 
-def picture(name, quantities, points):
-    """Errors over CPU seconds, both logarithmic: broken lines for uniform meshes, full ones for refined meshes."""
-    width, height, left, right, top, bottom = 480, 330, 64, 12, 42, 46
-    all_points = [point for series in points.values() for point in series]
+def picture(title, series):
+    """Errors over CPU seconds, both logarithmic, of series (label, colour, broken, points)."""
+    width, height, left, right, top, bottom = 640, 330, 64, 172, 14, 46
+    series = [(*style, [point for point in points if point[1]]) for *style, points in series]
     ranges = []
     for axis in (0, 1):
-        values = [math.log10(point[axis]) for point in all_points]
+        values = [math.log10(point[axis]) for *_, points in series for point in points]
         ranges.append((math.floor(min(values)), math.ceil(max(values))))
     (x0, x1), (y0, y1) = ranges
     x = lambda value: left + (width - left - right) * (math.log10(value) - x0) / (x1 - x0)
     y = lambda value: height - bottom - (height - top - bottom) * (math.log10(value) - y0) / (y1 - y0)
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
-             f'<title>{name}: errors over CPU time</title><rect width="{width}" height="{height}" fill="white"/>']
-    label = lambda exponent, unit: f"{10.0 ** exponent:g}{unit}"
+             f'<title>{title}: errors over CPU time</title><rect width="{width}" height="{height}" fill="white"/>']
     for k in range(x0, x1 + 1):
         at = x(10.0**k)
         lines.append(f'<line x1="{at:.1f}" y1="{top}" x2="{at:.1f}" y2="{height - bottom}" stroke="#ddd"/>'
-                     f'<text x="{at:.1f}" y="{height - bottom + 16}" text-anchor="middle">{label(k, "")}</text>')
+                     f'<text x="{at:.1f}" y="{height - bottom + 16}" text-anchor="middle">{10.0**k:g}</text>')
     for k in range(y0, y1 + 1):
         at = y(10.0**k)
         lines.append(f'<line x1="{left}" y1="{at:.1f}" x2="{width - right}" y2="{at:.1f}" stroke="#ddd"/>'
-                     f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{label(k + 2, " %")}</text>')
+                     f'<text x="{left - 6}" y="{at + 4:.1f}" text-anchor="end">{10.0 ** (k + 2):g} %</text>')
     lines.append(f'<text x="{(left + width - right) / 2}" y="{height - 8}" text-anchor="middle">CPU time, s</text>')
-    for k, quantity in enumerate(quantities):
-        colour, at = COLOURS[k], left + 130 * k
-        lines.append(f'<line x1="{at}" y1="14" x2="{at + 22}" y2="14" stroke="{colour}" stroke-width="2"/>'
-                     f'<text x="{at + 28}" y="18">{quantity.replace("_", " ")}</text>')
-        for kind, dash in (("uniform", ' stroke-dasharray="5 4"'), ("refined", "")):
-            series = points.get((quantity, kind), [])
-            path = " ".join(f"{x(seconds):.1f},{y(error):.1f}" for seconds, error in series)
-            lines.append(f'<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="2"{dash}/>')
-            fill = colour if kind == "refined" else "white"
-            lines += [f'<circle cx="{x(seconds):.1f}" cy="{y(error):.1f}" r="3.5" fill="{fill}" stroke="{colour}"/>'
-                      for seconds, error in series]
-    lines.append(f'<text x="{left}" y="34" fill="#555">broken: uniform meshes; full: refined meshes</text></svg>')
-    return "\n".join(lines) + "\n"
+    for k, (label, colour, broken, points) in enumerate(series):
+        style = f'fill="none" stroke="{colour}" stroke-width="2"' + ' stroke-dasharray="5 4"' * broken
+        at, fill = top + 8 + 20 * k, "white" if broken else colour
+        lines.append(f'<path d="M{width - right + 12},{at} h26" {style}/>'
+                     f'<text x="{width - right + 44}" y="{at + 4}">{label}</text>')
+        path = " ".join(f"{x(seconds):.1f},{y(error):.1f}" for seconds, error in points)
+        lines.append(f'<polyline points="{path}" {style}/>')
+        lines += [f'<circle cx="{x(seconds):.1f}" cy="{y(error):.1f}" r="3.5" fill="{fill}" stroke="{colour}"/>'
+                  for seconds, error in points]
+    return "\n".join(lines) + "\n</svg>\n"
 
 
 def draw(out, rows):
@@ -252,8 +250,10 @@ def draw(out, rows):
             if kind in ("uniform", "refined") and error:
                 points.setdefault((quantity, kind), []).append((seconds, error))
         quantities = list(dict.fromkeys(quantity for quantity, _ in points))
+        series = [(f"{quantity.replace('_', ' ')}, {kind}", COLOURS[k], kind == "uniform", points.get((quantity, kind), []))
+                  for k, quantity in enumerate(quantities) for kind in ("uniform", "refined")]
         with open(os.path.join(os.path.dirname(out), scene.lower().replace(" ", "-") + ".svg"), "w") as file:
-            file.write(picture(scene, quantities, points))
+            file.write(picture(scene, series))
 
 
 def main(program, out, only=None):
