@@ -14,7 +14,8 @@ Debian's Siconos needs numpy 1. One environment for all:
 
 Every peer gets the matrices and loads of the scene, in units in which the largest entries of K and of the loads are 1, because the
 tolerances of the peers are absolute. Tolerances are 1e-10, of GetFEM 1e-8: its residual does not fall below 1e-10 on the block with n = 100.
-Every increment begins with the forces of the increment before.
+Every increment begins with the forces of the increment before. The gap is 0: where nodes first touch within an increment, the program divides
+it, and the peers do not.
 Each run is a process of its own with one thread:
 
     CPU s      user and system time; of the program its whole process, of a peer all work from the matrices to the last forces
@@ -331,7 +332,7 @@ def compare(case, n, rounds, limit, only, folder):
     import stickslip as ss
 
     dimension = 3 if "cube" in Path(case.scene).name else 2
-    case.overrides = {"mesh.elements": [n] * dimension, "time.increments": case.increments}
+    case.overrides = {"mesh.elements": [n] * dimension, "time.increments": case.increments, "contact.obstacle.gap": 0}
     model = ss.Model(case.scene, case.overrides)
     body, case.unit = handed(model, folder)
     lu = factored(body.K)
