@@ -211,7 +211,7 @@ COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d", "#7b4fa3", "#b8860b", "#008b8b", "#b
 
 def picture(title, series):
     """Errors over CPU seconds, both logarithmic, of series (label, colour, broken, points)."""
-    width, height, left, right, top, bottom = 640, 330, 64, 172, 14, 46
+    width, height, left, right, top, bottom = 640, 346, 64, 172, 30, 46
     series = [(*style, [point for point in points if point[1]]) for *style, points in series]
     ranges = []
     for axis in (0, 1):
@@ -221,7 +221,8 @@ def picture(title, series):
     x = lambda value: left + (width - left - right) * (math.log10(value) - x0) / (x1 - x0)
     y = lambda value: height - bottom - (height - top - bottom) * (math.log10(value) - y0) / (y1 - y0)
     lines = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif" font-size="12">',
-             f'<title>{title}: errors over CPU time</title><rect width="{width}" height="{height}" fill="white"/>']
+             f'<title>{title}: errors over CPU time</title><rect width="{width}" height="{height}" fill="white"/>',
+             f'<text x="{left}" y="18" font-weight="bold">{title}</text>']
     for k in range(x0, x1 + 1):
         at = x(10.0**k)
         lines.append(f'<line x1="{at:.1f}" y1="{top}" x2="{at:.1f}" y2="{height - bottom}" stroke="#ddd"/>'
