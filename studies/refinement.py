@@ -157,6 +157,17 @@ def within_a_percent(errors):
     return found
 
 
+def meshes_of_gmsh(case, folder):
+    """The overrides that name meshes of these sizes, which Gmsh writes into `folder`."""
+    meshes = []
+    for size in case["gmsh"]:
+        file = os.path.join(folder, f"{size}.msh")
+        words = ["gmsh", "-3", case["scene"].replace(".toml", ".geo"), "-setnumber", "size", str(size)]
+        subprocess.run([*words, "-format", "msh41", "-o", file], check=True, capture_output=True)
+        meshes.append([f"mesh.file={file}"])
+    return meshes
+
+
 def study(program, case, folder):
     """The rows of a case: kind, mesh, nodes' number of elements, CPU seconds, quantity, value, true error, told uncertainty."""
     scene, sets = case.get("scene"), [*case.get("sets", []), "solver.linear=auto"]
@@ -164,13 +175,7 @@ def study(program, case, folder):
         scene = os.path.join(folder, "scene.toml")
         with open(scene, "w") as file:
             file.write(case["text"])
-    uniform = case.get("uniform", [])
-    if "gmsh" in case:
-        for size in case["gmsh"]:
-            file = os.path.join(folder, f"{size}.msh")
-            words = ["gmsh", "-3", case["scene"].replace(".toml", ".geo"), "-setnumber", "size", str(size)]
-            subprocess.run([*words, "-format", "msh41", "-o", file], check=True, capture_output=True)
-            uniform.append([f"mesh.file={file}"])
+    uniform = case.get("uniform") or meshes_of_gmsh(case, folder)
     first = sets + uniform[0]
     key = "body.mesh.refine" if "text" in case and "[[body]]" in case["text"] or "fit" in case["name"] else "mesh.refine"
     truth = values(run(program, "run", scene, [*first, f"{key}={case['truth']}"])[0])
@@ -206,7 +211,7 @@ def study(program, case, folder):
     return rows
 
 
-COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d", "#7b4fa3", "#b8860b", "#008b8b", "#b03060"]
+COLOURS = ["#1f5fa8", "#c2571a", "#3d8b3d", "#7b4fa3", "#b8860b", "#008b8b"]
 
 
 def picture(title, series):

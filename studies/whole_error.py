@@ -2,18 +2,17 @@
 
     python3 studies/whole_error.py target/release/stickslip doc/method/error-vs-time/whole [NAME]
 
-writes `whole.csv` and a picture of each scene. Uniform meshes are those of the scene, refined ones of triangles, or of tetrahedra of second order.
-The truth is a refined mesh with a smaller error than those of the table, in the plane by the exact path. Bodies in space have
+writes a picture of each scene, and its rows into `whole.csv`, which keeps those of other scenes. Uniform meshes are those
+of the scene, refined ones of triangles, or of tetrahedra of second order; those of the bracket are of first order. The truth is a refined mesh with a smaller error than those of the table, in the plane by the exact path. Bodies in space have
 no exact path. The bracket needs Gmsh.
 """
 
 import csv
 import os
-import subprocess
 import sys
 import tempfile
 
-from refinement import BRACKET, COLOURS, picture, run, values
+from refinement import BRACKET, COLOURS, meshes_of_gmsh, picture, run, values
 
 # Seconds after which a run is left.
 LIMIT = 150
@@ -25,8 +24,8 @@ def square(form, numbers):
     return [[f"mesh.elements={form.format(n)}"] for n in numbers]
 
 
-# Scene, overrides of all runs, uniform meshes from coarse to fine (the first is refined), overrides of refined runs, the key
-# of the error and its values, overrides of the truth, quantity, increments.
+# Scene, uniform meshes from coarse to fine (the first is refined), cells of refined meshes, the key of their error, its values,
+# that of the truth, quantity, increments.
 CASES = [
     dict(name="block", scene="data/scenes/block.toml", meshes=square("[{0},{0}]", (10, 20, 40, 80, 160)), cells=TRIANGLES,
          refine=[0.2, 0.1, 0.05, 0.025], truth=0.01, quantity="friction_work", increments=(10, 20, 40, 80, 160)),
@@ -48,13 +47,9 @@ CASES = [
 
 def study(program, case, folder):
     """The rows of a case: scene, way, run, CPU seconds, quantity, value, error. Draws its picture."""
-    meshes, key, plane = case.get("meshes", []), case.get("key", "mesh.refine"), case["cells"] not in ([], TETRAHEDRA)
+    key, plane = case.get("key", "mesh.refine"), case["cells"] not in ([], TETRAHEDRA)
     with tempfile.TemporaryDirectory() as temporary:
-        for size in case.get("gmsh", []):
-            file = os.path.join(temporary, f"{size}.msh")
-            words = ["gmsh", "-3", case["scene"].replace(".toml", ".geo"), "-setnumber", "size", str(size)]
-            subprocess.run([*words, "-format", "msh41", "-o", file], check=True, capture_output=True)
-            meshes.append([f"mesh.file={file}"])
+        meshes = case.get("meshes") or meshes_of_gmsh(case, temporary)
         method, most = (["--method", "events"], []) if plane else ([], [f"time.increments={case['increments'][-1]}"])
         refined = lambda error: [*meshes[0], *case["cells"], f"{key}={error}", *most]
         ways = [(f"BN, {linear}", [], [[*mesh, f"solver.linear={linear}"] for mesh in meshes])
@@ -86,16 +81,23 @@ def study(program, case, folder):
     return rows
 
 
+HEADS = ["scene", "way", "run", "cpu_seconds", "quantity", "value", "error"]
+
+
 def main(program, folder, only=None):
     os.makedirs(folder, exist_ok=True)
-    rows = []
+    table, rows = os.path.join(folder, "whole.csv"), {}
+    if os.path.exists(table):
+        with open(table, newline="") as file:
+            for row in list(csv.reader(file))[1:]:
+                rows.setdefault(row[0], []).append(row)
+    number = lambda x: f"{x:.4g}" if isinstance(x, float) else x
     for case in CASES:
-        if only is None or only == case["name"]:
-            rows += study(program, case, folder)
-    with open(os.path.join(folder, "whole.csv"), "w", newline="") as file:
-        number = lambda x: f"{x:.4g}" if isinstance(x, float) else x
-        heads = ["scene", "way", "run", "cpu_seconds", "quantity", "value", "error"]
-        csv.writer(file, lineterminator="\n").writerows([heads] + [[number(x) for x in row] for row in rows])
+        if only in (None, case["name"]):
+            rows[case["name"]] = [[number(x) for x in row] for row in study(program, case, folder)]
+    with open(table + ".new", "w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([HEADS, *(row for of_scene in rows.values() for row in of_scene)])
+    os.replace(table + ".new", table)
 
 
 if __name__ == "__main__":
