@@ -10,6 +10,7 @@ use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
+use crate::solver::laws::ROUNDING;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
@@ -268,10 +269,9 @@ impl<'a> ExactPath<'a> {
         };
         let happens = !end.is_infinite() && self.now.share + max_step <= wanted;
         let friction_work = self.go(target);
-        self.now.at_bound = vec![false; self.now.statuses.len()];
+        self.now.at_bound = if happens { at_bound } else { vec![false; at_bound.len()] };
         if happens && target < 1.0 {
             self.now.zero_steps = if max_step <= NONE { self.now.zero_steps + 1 } else { 0 };
-            self.now.at_bound = at_bound;
             self.now.rates_valid = false;
             if self.now.zero_steps > MAX_ZERO_STEPS {
                 let lost = PathEnd { time: self.time(), certain: false };
@@ -283,12 +283,7 @@ impl<'a> ExactPath<'a> {
             return Ok(PathSegment { events, friction_work, stop: SegmentEnd::Until });
         }
         let arrived = until == end && start < end;
-        if happens {
-            self.now.at_bound = at_bound;
-        }
-        let at_bound = std::mem::take(&mut self.now.at_bound);
         self.next_stretch();
-        self.now.at_bound = at_bound;
         Ok(PathSegment { events, friction_work, stop: if arrived { SegmentEnd::Until } else { SegmentEnd::Corner } })
     }
 
@@ -396,8 +391,10 @@ impl<'a> ExactPath<'a> {
         let until = |left: f64, pace: f64, scale: f64| {
             if pace > RATE_ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
         };
+        // A rounding of the gap must not become a penetration while there are no contact forces yet.
+        let rounding = |i: usize| ROUNDING * (stretch.at.gap[i].abs() + stretch.change.gap[i].abs());
         let of_node = |i: usize| match self.now.statuses[i] {
-            NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),
+            NodeStatus::Open => until(self.distance(i) - rounding(i), rate.w_n[i] - stretch.change.gap[i], length),
             status => {
                 let leaves = until(self.now.at.p_n[i], -rate.p_n[i], force);
                 if status != NodeStatus::Stick {
