@@ -2,12 +2,13 @@
 //!
 //! The history goes on after its end, with all other loads and motions as they are there, while the load doubles again
 //! and again. The run ends where friction can no longer balance the loads, between two times; it is repeated with more
-//! increments between them until they are close. The exact path finds the time itself.
+//! increments between them until they are close. The exact path finds the time itself. If the joint slips before the end
+//! of the history, other loads may be smaller there than at the end: the load then grows from 0 after the history.
 
 use serde_json::{Value, json};
 
 use stickslip::base::within;
-use stickslip::body::{Action, Against};
+use stickslip::body::{Action, Against, Load};
 use stickslip::run::report::{ForceRecord, JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
@@ -52,8 +53,8 @@ pub fn load(scene: &Scene, name: &str) -> Result<usize, String> {
     if let Ok(number) = name.parse() {
         return Ok(number);
     }
-    let loads = scene.description.loads.iter().map(|load| load.action.location(&scene.description.system(3)));
-    let loads: Vec<String> = loads.collect();
+    let place = |load: &Load| load.action.location(&scene.description.system(3));
+    let loads: Vec<String> = scene.description.loads.iter().map(place).collect();
     match loads.iter().enumerate().filter(|(_, place)| *place == name).collect::<Vec<_>>()[..] {
         [(k, _)] => Ok(k),
         [] => Err(format!("there is no load at `{name}`: the scene has loads at {}", loads.join(", "))),
@@ -94,7 +95,7 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         Capacity { load, action, last, between, opens: opens(longer, &report), report }
     };
     let is_exact = scene.solver.method.is_exact_path();
-    let (mut known, mut runs): (Option<Capacity>, usize) = (None, 0);
+    let (mut known, mut runs, mut comes_last): (Option<Capacity>, usize, bool) = (None, 0, false);
     loop {
         runs += 1;
         let report = Run::new(&longer)?.solve(observer)?;
@@ -111,6 +112,11 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
             }
             _ => None,
         };
+        if !comes_last && interval.is_some_and(|([_, by], _)| by <= scene.time.end) {
+            (comes_last, runs) = (true, 0);
+            put_last(&mut longer, load, scene.time.end);
+            continue;
+        }
         if let Some(([from, by], between @ [holds, gives_way])) = interval {
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
@@ -171,6 +177,17 @@ fn extend(scene: &mut Scene, load: usize) -> Result<f64, String> {
     scene.time.increments += (DOUBLINGS * INCREMENTS) as usize;
     description.times = scene.time.all();
     Ok(last)
+}
+
+/// Lets a load that grows further after `end` grow from 0 there, over the time in which it doubles.
+fn put_last(scene: &mut Scene, load: usize, end: f64) {
+    let later = (scene.time.end - end) / f64::from(DOUBLINGS);
+    let kept = scene.description.loads[load].history.iter().flatten().filter(|[time, _]| *time >= end);
+    let points = [[0.0; 2], [end, 0.0]].into_iter().chain(kept.map(|[time, factor]| [time + later, *factor]));
+    scene.description.loads[load].history = Some(points.collect());
+    scene.time.end += later;
+    scene.time.increments += INCREMENTS as usize;
+    scene.description.times = scene.time.all();
 }
 
 impl Capacity {
