@@ -192,7 +192,7 @@ impl<'a> Meshes<'a> {
         let mut name = ladder::name(&scene.description.mesh);
         if let Some((refinement, level, error)) = &mut self.refined {
             while *level < mesh {
-                let finer = refinement.finer(self.ladder.ratio, observer)?;
+                let finer = refinement.finer(self.ladder.gain, observer)?;
                 *error = finer.ok_or_else(|| StudyError::NotRefined(refinement.status()))?;
                 *level += 1;
             }
@@ -223,8 +223,10 @@ fn solve(
     let run = Run::new(&scene)?;
     let model = run.model();
     let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
-    // A mesh that refines itself has elements of many sizes, and its error is that of smaller elements.
-    let size = if ladder.refines_itself { ladder.ratio.powi(-(mesh as i32)) } else { size(&model.mesh) };
+    // In the plane a mesh that refines itself needs few elements for an error, which is that of smaller ones; in space it
+    // needs many along edges and rims.
+    let by_error = ladder.refines_itself && dimension == 2;
+    let size = if by_error { ladder.gain.powi(-(mesh as i32)) } else { size(&model.mesh) };
     if steps.last().is_some_and(|step| step.level < mesh && step.size <= size) {
         return Err(StudyError::NotFiner { mesh: name, elements });
     }

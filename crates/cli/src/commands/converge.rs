@@ -61,8 +61,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn ratio(text: &str) -> Result<f64, String> {
-    let ratio: Option<f64> = text.parse().ok();
-    ratio.filter(|ratio| (1.2..=4.0).contains(ratio)).ok_or_else(|| "give a factor from 1.2 to 4".to_string())
+    let ratio = text.parse().ok().filter(|ratio: &f64| (1.2..=4.0).contains(ratio));
+    ratio.ok_or_else(|| "give a factor from 1.2 to 4".to_string())
 }
 
 /// Returns `true` if the mesh, or that of a body, is read from this file.

@@ -231,7 +231,8 @@ impl Convergence {
 
     /// Returns the name and the error of the scene's own mesh.
     fn own_mesh(&self) -> Option<(String, f64)> {
-        self.meshes().into_iter().find(|(step, _)| step.is_own_mesh).map(|(step, error)| (step.mesh.clone(), error))
+        let mut meshes = self.meshes().into_iter();
+        meshes.find_map(|(step, error)| (step.is_own_mesh && step.is_resolved).then(|| (step.mesh.clone(), error)))
     }
 
     /// Returns the meshes with known errors, as shares of the extrapolated value.

@@ -25,7 +25,10 @@ pub struct Ladder {
     named: Vec<MeshSize>,
     /// `true` if none are named and the first mesh can refine itself; finer ones follow from it then.
     pub(super) refines_itself: bool,
-    pub(super) ratio: f64,
+    ratio: f64,
+    /// The factor by which the error of a mesh that refines itself falls to that of the next: `ratio`, or in space its
+    /// cube root, because a larger one takes many times the elements.
+    pub(super) gain: f64,
     first: i32,
     /// The number of increments of the first run.
     first_increments: usize,
@@ -42,7 +45,9 @@ impl Ladder {
         let mesh = &scene.description.mesh;
         let choices: Vec<MeshChoice> = named.iter().cloned().map(MeshChoice::from).collect();
         let built = || mesh.build().map_err(|error| RunError::from(ModelError::from(error)));
-        let refines_itself = choices.is_empty() && Refinement::is_possible(&*built()?);
+        let refined = choices.is_empty().then(built).transpose()?.filter(|mesh| Refinement::is_possible(mesh));
+        let refines_itself = refined.is_some();
+        let gain = if refined.is_some_and(|mesh| mesh.dimension == 3) { ratio.cbrt() } else { ratio };
         let named = match choices.is_empty() {
             true if first_elements(mesh).is_none() && !refines_itself => return Err(StudyError::NoFinerMesh),
             true => Vec::new(),
@@ -53,7 +58,7 @@ impl Ladder {
         let halves = (1..=COARSER).take_while(|&step| is_halved(mesh, ratio.powi(-step), least)).count() as i32;
         let own = scene.time.increments;
         let first_increments = if own.is_multiple_of(2) && own >= 2 * LEAST_INCREMENTS { own / 2 } else { own };
-        Ok(Ladder { named, refines_itself, ratio, first: -halves, first_increments })
+        Ok(Ladder { named, refines_itself, ratio, gain, first: -halves, first_increments })
     }
 
     /// Returns the number of meshes; `None` for any number.
@@ -106,7 +111,7 @@ impl Ladder {
     /// none, or its size is not known before it is read.
     pub fn growth(&self, level: usize) -> Option<f64> {
         match (self.named.get(level), self.named.get(level + 1)) {
-            _ if self.named.is_empty() => Some(self.ratio),
+            _ if self.named.is_empty() => Some(self.gain),
             (Some(MeshSize::Elements(n)), Some(MeshSize::Elements(next))) => Some(*next as f64 / *n as f64),
             _ => None,
         }
