@@ -125,8 +125,8 @@ impl Peak {
         let across = PeakZone::across_at(model, graph, &self.state.p_n, self.at[1]);
         let own = match surface.peak_error {
             _ if surface.singular_edge || across.is_some_and(|n| n <= NOTHING) => return None,
-            // The scatter is larger than the envelope, and half of it an error.
-            Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => 0.5 * largest,
+            // The scatter is larger than the envelope, and an error itself: the peak is that of a node which scatters up.
+            Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => largest,
             Some(largest) => OF_LARGEST * largest,
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
             None if self.slides_at_the_rim(model, graph) => return None,
