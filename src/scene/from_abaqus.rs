@@ -327,6 +327,8 @@ impl Found {
         };
         // Groups would inherit the density of the first material.
         let several = self.sections.len() > 1;
+        let missing = "[material]                # there is no *MATERIAL: give young and poisson\n";
+        text.push_str(if self.materials.is_empty() { missing } else { "" });
         write(text, "[material]", self.sections.first().map_or("", |(_, material, _)| material), !several);
         if !self.plane.is_empty() {
             let _ = writeln!(text, "plane = {:?}", self.plane);

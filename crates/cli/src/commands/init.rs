@@ -41,35 +41,38 @@ enum Kind {
     Rough,
     /// Two plates under a clamp, pulled apart, on a mesh from Gmsh
     LapJoint,
+    /// The files of all tutorials: `stickslip init tutorials --out data/tutorials`
+    Tutorials,
     /// The scene of an input file: `stickslip init abaqus part.inp`
     Abaqus,
 }
 
-/// The name and text of a file in `data`.
-macro_rules! file {
-    ($folder:literal, $name:literal) => {
-        ($name, include_str!(concat!("../../../../data/", $folder, "/", $name)))
+/// The names and contents of files in a folder of `data`, the scene first.
+macro_rules! files {
+    ($folder:literal: $($name:literal)*) => {
+        &[$(($name, include_bytes!(concat!("../../../../data/", $folder, "/", $name)))),*]
     };
 }
 
 impl Kind {
-    /// Returns the names and texts of its files, the scene first.
-    fn files(self) -> &'static [(&'static str, &'static str)] {
+    fn files(self) -> &'static [(&'static str, &'static [u8])] {
         match self {
-            Kind::Block => &[file!("init", "block.toml")],
-            Kind::Cube => &[file!("init", "cube.toml")],
-            Kind::Gmsh => &[file!("init", "roller.toml"), file!("init", "roller.geo"), file!("init", "roller.msh")],
-            Kind::TwoBodies => &[file!("scenes", "two_blocks.toml")],
-            Kind::Bolt => &[file!("scenes", "bolt.toml")],
-            Kind::PressFit => &[file!("tutorials", "press-fit.toml"), file!("tutorials", "press-fit-torque.toml")],
-            Kind::Fretting => &[file!("tutorials", "fretting.toml")],
+            Kind::Block => files!("init": "block.toml"),
+            Kind::Cube => files!("init": "cube.toml"),
+            Kind::Gmsh => files!("init": "roller.toml" "roller.geo" "roller.msh"),
+            Kind::TwoBodies => files!("scenes": "two_blocks.toml"),
+            Kind::Bolt => files!("scenes": "bolt.toml"),
+            Kind::PressFit => files!("tutorials": "press-fit.toml" "press-fit-torque.toml"),
+            Kind::Fretting => files!("tutorials": "fretting.toml"),
             Kind::Abaqus => &[],
-            Kind::Rough => &[file!("init", "rough.toml")],
-            Kind::LapJoint => &[
-                file!("tutorials", "lap-joint.toml"),
-                file!("tutorials", "lap-joint.geo"),
-                file!("tutorials", "lap-joint.msh"),
-            ],
+            Kind::Rough => files!("init": "rough.toml"),
+            Kind::LapJoint => files!("tutorials": "lap-joint.toml" "lap-joint.geo" "lap-joint.msh"),
+            Kind::Tutorials => files!(
+                "tutorials": "fretting.toml" "press-fit.toml" "press-fit-torque.toml" "press-fit-3d.toml"
+                "press-fit-3d.geo" "press-fit-3d.msh" "lap-joint.toml" "lap-joint.geo" "lap-joint.msh"
+                "lap-joint-coarse.msh" "lap_joint.py" "punch.toml" "rigid-floor.toml" "rigid-floor-sphere.toml"
+                "die.geo" "die.stl" "own_matrices.py" "chain.dat"
+            ),
         }
     }
 }
@@ -90,7 +93,7 @@ pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
         return write(folder, files);
     }
     let [(name, scene), besides @ ..] = files else { return Ok(()) };
-    say!("{}", scene.trim_end());
+    say!("{}", String::from_utf8_lossy(scene).trim_end());
     if !besides.is_empty() {
         let besides: Vec<&str> = besides.iter().map(|(name, _)| *name).collect();
         output::note(&format!("note: with --out DIR {name} comes with {}", besides.join(" and ")));
@@ -110,13 +113,13 @@ fn of_file(kind: Kind, file: Option<&Path>, out: Option<&Path>) -> Result<(), Fa
         Scene::text_from_abaqus(file, &mesh.display().to_string()).map_err(|error| Failure::Input(error.into()))?;
     if let Some(folder) = out {
         let name = Path::new(file.file_stem().unwrap_or_default()).with_extension("toml");
-        return write(folder, &[(&name.display().to_string(), &scene)]);
+        return write(folder, &[(&name.display().to_string(), scene.as_bytes())]);
     }
     say!("{}", scene.trim_end());
     Ok(())
 }
 
-fn write(folder: &Path, files: &[(&str, &str)]) -> Result<(), Failure> {
+fn write(folder: &Path, files: &[(&str, &[u8])]) -> Result<(), Failure> {
     let paths = || files.iter().map(|(name, _)| folder.join(name));
     if let Some(path) = paths().find(|path| path.exists()) {
         let help = "choose another folder with --out; nothing was written";
@@ -124,8 +127,8 @@ fn write(folder: &Path, files: &[(&str, &str)]) -> Result<(), Failure> {
     }
     let written = |result: std::io::Result<()>| result.map_err(|error| write_failure(folder, &error));
     written(fs::create_dir_all(folder))?;
-    for (k, (name, text)) in files.iter().enumerate() {
-        if let Err(error) = write_file(folder, name, text) {
+    for (k, (name, content)) in files.iter().enumerate() {
+        if let Err(error) = write_file(folder, name, content) {
             // All files are written or none: a later try would refuse to overwrite the files of an incomplete one.
             paths().take(k).for_each(|path| drop(fs::remove_file(path)));
             return written(Err(error));
