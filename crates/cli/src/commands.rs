@@ -45,7 +45,6 @@ use std::path::{Path, PathBuf};
 use std::process;
 #[cfg(feature = "blas")]
 use stickslip::algebra::linear::process::{Blas, KERNEL_VARIABLE};
-use stickslip::body::ModelError;
 use stickslip::run::RunError;
 use stickslip::scene::{Override, Provenance, Scene, SceneError};
 use stickslip_exchange::ExchangeError;
@@ -221,12 +220,6 @@ impl From<SceneError> for Failure {
 impl From<ExchangeError> for Failure {
     fn from(error: ExchangeError) -> Self {
         Failure::input(&error, error.help())
-    }
-}
-
-impl From<ModelError> for Failure {
-    fn from(error: ModelError) -> Self {
-        Failure::Input(error.into())
     }
 }
 

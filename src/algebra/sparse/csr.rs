@@ -1,6 +1,6 @@
 //! Matrices in compressed rows.
 
-use super::{Csc, DoubleDouble, MatrixError, expect_length};
+use super::{DoubleDouble, MatrixError, expect_length};
 
 /// A matrix in compressed rows, for maps with few entries per row.
 #[derive(Debug, Clone, PartialEq)]
@@ -143,14 +143,6 @@ impl Csr {
     }
 }
 
-impl From<&Csc> for Csr {
-    fn from(matrix: &Csc) -> Self {
-        let mut rows = vec![Vec::new(); matrix.pattern().rows()];
-        matrix.entries().for_each(|(row, column, value)| rows[row].push((column, value)));
-        Csr::of_rows(matrix.pattern().columns(), rows)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,7 +156,5 @@ mod tests {
         let mut y = [0.0; 3];
         c.add_transposed(&[1.0, 10.0], &mut y);
         assert_eq!(y, [12.0, 0.0, -10.0]);
-        let same = Csr::from(&Csc::from_triplets(2, 3, &[(1, 0, 1.0), (0, 0, 2.0), (1, 2, -1.0)]).unwrap());
-        assert_eq!(same.times(&[1.0, 5.0, 3.0]).unwrap(), [2.0, -2.0]);
     }
 }

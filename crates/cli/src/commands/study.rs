@@ -21,12 +21,6 @@ impl From<StudyError> for Failure {
     }
 }
 
-impl From<serde_json::Error> for Failure {
-    fn from(error: serde_json::Error) -> Self {
-        Failure::Machine(miette::miette!("{error}"))
-    }
-}
-
 impl From<PlotError> for Failure {
     fn from(error: PlotError) -> Self {
         Failure::Machine(miette::miette!("{error}"))
@@ -80,7 +74,7 @@ pub(super) fn changed(mut results: Value, scene: &SceneArgs, command: &str) -> V
 
 /// Formats results as one JSON object.
 pub(super) fn pretty(results: &impl Serialize) -> Result<String, Failure> {
-    Ok(serde_json::to_string_pretty(results)?)
+    serde_json::to_string_pretty(results).map_err(|error| Failure::Machine(miette::miette!("{error}")))
 }
 
 /// Returns a bar of `length` runs, and what counts a run and shows its name when it begins.

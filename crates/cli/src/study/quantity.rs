@@ -304,9 +304,9 @@ impl TableQuantity {
 
     /// Returns the name of a unit that no system of units changes: s or B.
     fn fixed_unit(&self) -> &'static str {
-        let Source::Key { name, .. } = &self.source else { return "" };
+        let Source::Key { name, kind: Kind::Number, .. } = &self.source else { return "" };
         match last(name) {
-            "time" | "start" | "end" => "s",
+            "time" | "start" | "end" | "slips_from" | "slips_wholly_from" => "s",
             key if key.ends_with("seconds") => "s",
             key if key.ends_with("bytes") => "B",
             _ => "",

@@ -34,7 +34,7 @@ const [used, ...further] = uses.filter(({ largest }) => largest >= 0.01);
 const AT_THE_END = { open: "nothing touches", stick: "it sticks", partial: "it slips in part", whole: "it slips as a whole" };
 function slipOf({ slips_from: some, slips_wholly_from: all, end }) {
   if (some == null) return "no node slips";
-  if (all == null) return `some nodes slip from t = ${plain(some)} s, never all`;
+  if (all == null) return `some nodes slip from t = ${plain(some)} s${report.status === "slips" ? "" : ", never all"}`;
   return `${some < all ? `some nodes slip from t = ${plain(some)} s, all` : "all nodes slip"} from t = ${plain(all)} s; at the end ${AT_THE_END[end]}`;
 }
 const slips = used ? ` On \`${used.boundary}\` ${slipOf(used)}.` : "";
@@ -54,7 +54,8 @@ const numbers = [
   bolt && [`largest force of ${bolt.name}`, rounded(bolt.force_range[1], FORCE), sinceLock(bolt), { boundary: bolt.name }],
   force && ["largest contact force", rounded(force.magnitude, FORCE), told(force), force],
   used && ["friction in use", percent(used.largest), used.slips_from == null ? "no node slips" : `slip begins at t = ${plain(used.slips_from)} s`, used],
-  peak && peak.pressure && ["largest pressure", rounded(peak.pressure, STRESS), ofPeak, peak, singular],
+  peak && peak.pressure && (singular && peak.mean_pressure ? ["mean pressure", rounded(peak.mean_pressure, STRESS), `the largest one, ${rounded(peak.pressure, STRESS)}, depends on the mesh`, peak]
+    : ["largest pressure", rounded(peak.pressure, STRESS), ofPeak, peak, singular]),
   !used && moved && ["largest displacement", rounded(moved.length, LENGTH), "", moved],
 ].filter(Boolean).slice(0, 3);
 for (const [name, value, error, { boundary, time }, isWeak] of numbers) {

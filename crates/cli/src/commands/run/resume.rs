@@ -82,8 +82,7 @@ pub(super) fn print_json(report: &RunReport, folder: Option<&ResultFolder>) -> R
     if let Some(folder) = folder {
         return print(folder.report().map_err(|error| unreadable(&error))?);
     }
-    let json = report.to_json()?;
-    say!("{json}");
+    say!("{}", report.to_json().map_err(|error| Failure::Machine(miette::miette!("{error}")))?);
     Ok(())
 }
 

@@ -254,22 +254,21 @@ fn print_largest(report: &RunReport) {
     if let Some(cycle) = &report.cycle {
         print_cycle(cycle, units);
     }
-    let Some(LargestPressure {
-        pressure, peak_of, boundary, position, time, nodes_across, mesh_error, singular, ..
-    }) = &report.largest_pressure
-    else {
-        return;
-    };
+    let Some(largest) = &report.largest_pressure else { return };
+    let LargestPressure { pressure, peak_of, boundary, position, time, nodes_across, mesh_error, singular, .. } =
+        largest;
     let across = nodes_across.map_or(String::new(), |nodes| format!(", {nodes} nodes across"));
     let error = match mesh_error {
         _ if *singular => "singular: it depends on the mesh".to_string(),
         error => of_mesh(*error, false),
     };
     let place = format!("at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
-    match (peak_of, pressure.map(|pressure| units.rounded(Quantity::Stress, pressure, DIGITS))) {
+    let stress = |value: f64| units.rounded(Quantity::Stress, value, DIGITS);
+    let mean = largest.mean_pressure.map_or(String::new(), |mean| format!(", mean {}", stress(mean)));
+    match (peak_of, pressure.map(stress)) {
         (Some(of), Some(pressure)) => {
             let of = if *of == PeakOf::Patches { " on a node with its neighbours" } else { "" };
-            row!("pressure     {pressure} at most{of}, {error}{across}, {place}");
+            row!("pressure     {pressure} at most{of}, {error}{across}, {place}{mean}");
         }
         _ => row!("pressure     too few tetrahedra across the contact for a peak, {place}"),
     }
