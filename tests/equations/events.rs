@@ -104,6 +104,29 @@ fn the_first_touch_of_an_obstacle_is_no_penetration() {
     }
 }
 
+/// An obstacle touches a body without loads exactly at the end of an increment, or where its way ends.
+#[test]
+fn a_touch_at_the_end_of_an_increment_is_no_penetration() {
+    let body = "mesh = { kind = \"block\", size = [1, 1], elements = [8, 6] }\n\
+                material = { young = 1e9, poisson = 0.3 }\n\
+                support = [{ boundary = \"bottom\", fix = [\"x\", \"y\"] }]\n\
+                contact = [{ boundary = \"top\", friction = 0.5, obstacle = OBSTACLE }]\n\
+                time = { end = 2, increments = 8 }\n";
+    for way in ["[[0, -1e-4], [1, 1e-4]]", "[[0, -1e-4], [1, 0], [2, 0]]"] {
+        for form in ["kind = \"formula\", formula = \"3e-5 * (1 - cos(20 * x))\"", "kind = \"plane\""] {
+            let there = format!("{{ {form}, approach = {way} }}");
+            let model = model_with(&body.replace("OBSTACLE", &there), &[]);
+            for linear in both() {
+                for times in [equal_increments(2.0, 8), vec![0.5, 2.0], vec![1.0, 2.0]] {
+                    let outcome = exact(&model, &times, linear);
+                    assert_eq!(outcome.status, Status::Converged, "{there}");
+                    assert!(worst(&outcome) <= 1e-11, "{there}: {:e}", worst(&outcome));
+                }
+            }
+        }
+    }
+}
+
 /// An obstacle that is in the body from the start comes in no time, with events on the way, and is judged when it is there.
 #[test]
 fn interference_from_the_start_is_judged_when_it_is_there() {

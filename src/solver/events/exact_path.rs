@@ -10,7 +10,6 @@ use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
 use crate::algebra::linear::{LinearError, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
-use crate::solver::laws::ROUNDING;
 use crate::solver::loading::Loading;
 use crate::solver::problem::{ContactProblem, State};
 use crate::solver::solvability::{Landing, Load, NEARBY, is_carried_without_strain, landing};
@@ -391,10 +390,8 @@ impl<'a> ExactPath<'a> {
         let until = |left: f64, pace: f64, scale: f64| {
             if pace > RATE_ROUNDING * scale { left.max(0.0) / pace } else { f64::INFINITY }
         };
-        // A rounding of the gap must not become a penetration while there are no contact forces yet.
-        let rounding = |i: usize| ROUNDING * (stretch.at.gap[i].abs() + stretch.change.gap[i].abs());
         let of_node = |i: usize| match self.now.statuses[i] {
-            NodeStatus::Open => until(self.distance(i) - rounding(i), rate.w_n[i] - stretch.change.gap[i], length),
+            NodeStatus::Open => until(self.distance(i), rate.w_n[i] - stretch.change.gap[i], length),
             status => {
                 let leaves = until(self.now.at.p_n[i], -rate.p_n[i], force);
                 if status != NodeStatus::Stick {

@@ -42,6 +42,8 @@ struct ExactHistory<'a> {
 struct StepStart {
     /// The displacements relative to the obstacles along both tangents, n_c, m.
     slips: [Vec<f64>; 2],
+    /// The gaps, n_c, m.
+    gap: Vec<f64>,
     time: f64,
 }
 
@@ -140,7 +142,8 @@ impl ExactHistory<'_> {
                 sum: Step::default(),
             };
             let (step_start, lost) = loop {
-                let step_start = StepStart { slips: self.path.slips(), time: self.path.time() };
+                let step_start =
+                    StepStart { slips: self.path.slips(), gap: self.path.given().1, time: self.path.time() };
                 let step = self.path.step(time)?;
                 step.events.into_iter().for_each(|event| self.report(in_progress.index, event));
                 in_progress.sum.friction_work += step.friction_work;
@@ -163,7 +166,10 @@ impl ExactHistory<'_> {
                 }
             };
             let reached = lost.map_or(time, |lost| lost.time);
-            let data = StepData::new(problem, loading, reached, &step_start);
+            // The gaps of the path itself: others would differ by rounding, which counts while there are no forces yet.
+            let (_, gap, drift) = self.path.given();
+            let force = self.under_load(reached, |load| load.force.to_vec());
+            let data = StepData::of(problem, reached, (force, gap, drift), &step_start);
             in_progress.sum.ends.push(reached);
             let balanced = self.balanced(&data)?;
             self.outcome.lost = lost;
@@ -207,6 +213,11 @@ impl ExactHistory<'_> {
         let (state, now) = (self.path.state(), self.path.time());
         let data = StepData::of(problem, now, self.path.given(), step_start);
         let increment = data.increment();
+        // The rounding of the gaps at its start is left in those at its end.
+        let start = Increment { gap: &step_start.gap, ..increment };
+        for (scales, problem) in self.scales.iter_mut().zip([problem, self.body.problem]) {
+            *scales = scales.with_terms(problem, &[]).with_gaps(problem, &start, &vec![0.0; problem.displacements()]);
+        }
         let judgement = Judgement::near(problem, &increment, &state, &self.scales[0], self.settings.tolerance)?;
         in_progress.sum.kkt = in_progress.sum.kkt.max(&judgement.errors());
         self.scales[0] = judgement.scales();
@@ -324,14 +335,6 @@ struct StepData {
 }
 
 impl StepData {
-    /// Creates the data of a step from `step_start` to `time`.
-    fn new(problem: &ContactProblem, loading: &Loading, time: f64, step_start: &StepStart) -> Self {
-        let mut force = vec![0.0; problem.displacements()];
-        loading.force(time, &mut force);
-        let drift = [0, 1].map(|k| loading.drift_at(time, k));
-        Self::of(problem, time, (force, loading.gaps_at(time), drift), step_start)
-    }
-
     /// Creates the data of a step from `step_start` to `time` from the forces, the gaps and the motions of the obstacles
     /// then.
     fn of(

@@ -328,12 +328,13 @@ impl<'a> Judgement<'a> {
     }
 
     /// Returns what contact forces of a part are relative to, √J: the largest of closed nodes, or the largest terms of
-    /// the balance if all are the rounding of these. If no node is closed, it is the largest load, or force of an open node.
+    /// the balance or of the gaps if all are the rounding of these. If no node is closed, it is the largest load, or force
+    /// of an open node.
     fn contact_scale(&self, part: usize) -> f64 {
         let Largest { load, contact, open, penetration, .. } = self.largest[part];
-        let (closed, balance) = (contact.max(penetration), self.scales.0[part].balance);
+        let (closed, Terms { balance, gaps }) = (contact.max(penetration), self.scales.0[part]);
         let own = match closed.max(open) {
-            largest if largest <= ROUNDING * balance => balance,
+            largest if largest <= ROUNDING * balance.max(gaps) => balance.max(gaps),
             _ if closed == 0.0 => load.max(open),
             _ => closed,
         };
