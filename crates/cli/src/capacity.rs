@@ -41,6 +41,8 @@ pub struct Capacity {
     /// The first contact that carries force at the end of the history itself and none later, with the factors of the
     /// load between which it opens.
     pub opens: Option<(String, [f64; 2])>,
+    /// `true` if the joint slips within the history itself, so that the load grows after all others.
+    pub comes_last: bool,
     /// The report of the run.
     pub report: RunReport,
 }
@@ -80,19 +82,18 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
     let opens = |longer: &Scene, report: &RunReport| {
         let sum = |record: &ForceRecord| record.resultant.sums.sum_p_n;
         let before = |first: &&ForceRecord| {
-            let is_before = |record: &&ForceRecord| {
-                record.resultant.boundary == first.resultant.boundary && record.time < first.time
-            };
-            report.forces.iter().rfind(is_before).filter(|before| sum(before) > 0.0)
+            let earlier = report.forces.iter().take_while(|record| record.time < first.time);
+            let same = earlier.filter(|record| record.resultant.boundary == first.resultant.boundary);
+            same.last().filter(|before| sum(before) > 0.0)
         };
         let has_opened = |record: &&ForceRecord| record.time > scene.time.end && sum(record) == 0.0;
         let mut opened = report.forces.iter().filter(has_opened).filter_map(|first| Some((before(&first)?, first)));
         let (before, first) = opened.next()?;
         Some((first.resultant.boundary.clone(), [before.time, first.time].map(|time| factor_at(longer, time))))
     };
-    let found = |between, longer: &Scene, report: RunReport| {
+    let found = |between, longer: &Scene, comes_last: bool, report: RunReport| {
         let action = scene.description.loads[load].action.clone();
-        Capacity { load, action, last, between, opens: opens(longer, &report), report }
+        Capacity { load, action, last, between, opens: opens(longer, &report), comes_last, report }
     };
     let is_exact = scene.solver.method.is_exact_path();
     let (mut known, mut runs, mut comes_last): (Option<Capacity>, usize, bool) = (None, 0, false);
@@ -120,13 +121,13 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         if let Some(([from, by], between @ [holds, gives_way])) = interval {
             longer.time.kinks.extend((0..=FINER).map(|k| from + f64::from(k) / f64::from(FINER) * (by - from)));
             longer.description.times = longer.time.all();
-            let capacity = found(Some(between), &longer, report);
+            let capacity = found(Some(between), &longer, comes_last, report);
             if runs == RUNS || gives_way - holds <= CLOSE * gives_way {
                 return Ok(Ok(capacity));
             }
             known = Some(capacity);
         } else {
-            let mut capacity = known.unwrap_or_else(|| found(None, &longer, report));
+            let mut capacity = known.unwrap_or_else(|| found(None, &longer, comes_last, report));
             if let Some([holds, gives_way]) = &mut capacity.between {
                 // Close to the capacity a run may fail before it slips: it holds the load that it has reached.
                 *holds = factor_at(&longer, reached).max(*holds).min(*gives_way);
@@ -213,12 +214,13 @@ impl Capacity {
     /// Returns the capacity in a sentence, with the motion.
     pub fn sentence(&self) -> String {
         let (load, most, held) = (self.load, 1 << DOUBLINGS, self.held().unwrap_or_default());
+        let last =
+            if self.comes_last { " if it grows after all other loads, while the history itself slips" } else { "" };
         let found = match (self.between, &self.report.explanation.slip, self.report.status) {
             (Some([holds, slips]), Some(JointSlip { motion, .. }), _) => format!(
-                "load[{load}] times {holds:.4}, {held}, holds; beyond {slips:.4} the joint slips as a whole: {motion}"
+                "load[{load}] times {holds:.4}, {held}, holds{last}; beyond {slips:.4} the joint slips as a whole: {motion}"
             ),
-            (None, Some(slip), _) => {
-                let [from, by] = slip.between;
+            (None, Some(JointSlip { between: [from, by], .. }), _) => {
                 format!("the joint slips as a whole between t = {from} s and {by} s, where load[{load}] is constant")
             }
             (Some([holds, gives_way]), None, _) => format!(
