@@ -1,11 +1,10 @@
 //! Told errors beside the true ones: scenes on their mesh with their increments, on a finer mesh, and with more increments.
 
-use stickslip::base::InputError;
 use stickslip::run::Run;
 use stickslip::run::report::RunReport;
 use stickslip::scene::{Override, Scene};
 use stickslip::solver::history::Status;
-use stickslip_cli::converge::Ladder;
+use stickslip_cli::study::{MeshChoice, MeshSize};
 
 use crate::estimates::EstimateError;
 use crate::warnings::{Case, Random};
@@ -238,7 +237,8 @@ fn told(report: &RunReport) -> [Option<f64>; 7] {
         // Finer runs alone tell the error of the work.
         None,
         tangential.and_then(|force| force.mesh_error),
-        report.stick_zone.as_ref().map(|zone| zone.uncertainty),
+        // Nothing is told of a zone that sticks or slips as a whole.
+        report.stick_zone.as_ref().filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0).map(|zone| zone.uncertainty),
         friction.and_then(|friction| friction.time_error).map(f64::abs),
         tangential.and_then(|force| force.time_error),
     ]
@@ -272,12 +272,9 @@ impl Subject {
         let set = self.set.iter().map(|set| set.parse()).collect::<Result<Vec<Override>, _>>()?;
         let scene = Scene::parse(&self.name, &self.text, &set)?;
         let ratio = FINER[usize::from(Run::new(&scene)?.model().mesh.dimension == 3)];
-        let no_mesh = |_| InputError::new("mesh", "cannot be refined", "take a block");
-        let ladder = Ladder::new(&scene, &[], ratio).map_err(no_mesh)?;
-        let own = (0..4).find(|&level| ladder.is_own(level, &scene.description.mesh)).unwrap_or(0);
+        let finer = MeshChoice::from(MeshSize::Times(ratio)).overrides(&scene.description.mesh);
         let more = Override::value("time.increments", (MORE * scene.time.increments) as i64);
-        let [here, mesh, steps] =
-            [self.solved(&[])?, self.solved(&ladder.mesh(&scene, own + 1))?, self.solved(&[more])?];
+        let [here, mesh, steps] = [self.solved(&[])?, self.solved(&finer)?, self.solved(&[more])?];
         let (told, [value, finer, later]) = (told(&here), [&here, &mesh, &steps].map(values));
         let truth = |k: usize, other: &[Option<f64>; 5]| {
             let (value, other) = (value[k]?, other[k]?);

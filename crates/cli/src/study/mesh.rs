@@ -116,7 +116,7 @@ impl FromStr for ElementChoice {
 
 impl MeshChoice {
     /// Returns the overrides that replace `mesh` by it.
-    pub(crate) fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
+    pub fn overrides(&self, mesh: &MeshSource) -> Vec<Override> {
         // A key without a number refers to all bodies.
         let key =
             |key: &str| if matches!(mesh, MeshSource::Bodies(_)) { format!("body.{key}") } else { key.to_string() };
