@@ -115,8 +115,7 @@ CASES = [
     dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=[[1,1],[1,1],1]"],
          uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:4], refine=[0.5, 0.35, 0.25, 0.17], truth=0.1,
          quantities=["force", "peak"]),
-    # Twice the values of the half y < 20 mm, whose tetrahedra of second order are .25 mm at the roller and grow by .45 mm
-    # per mm: 7434 N and .2267 J. Those of .4 mm give 7469 N and .2276 J.
+    # The truth is twice the force and the friction work of studies/bracket_half.geo, in which the command stands.
     dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.5, 1],
          refine=[0.5, 0.4, 0.3, 0.22], truth=dict(force=7434, friction_work=0.2267), quantities=["force", "friction_work"]),
 ]

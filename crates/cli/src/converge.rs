@@ -225,8 +225,8 @@ fn solve(
     let (elements, dimension) = (model.mesh.cells.len(), model.mesh.dimension);
     // In the plane a mesh that refines itself needs few elements for an error, which is that of smaller ones; in space it
     // needs many along edges and rims.
-    let by_error = ladder.refines_itself && dimension == 2;
-    let size = if by_error { ladder.gain.powi(-(mesh as i32)) } else { size(&model.mesh) };
+    let size =
+        if ladder.refines_itself && dimension == 2 { ladder.gain.powi(-(mesh as i32)) } else { size(&model.mesh) };
     if steps.last().is_some_and(|step| step.level < mesh && step.size <= size) {
         return Err(StudyError::NotFiner { mesh: name, elements });
     }

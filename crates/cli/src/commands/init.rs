@@ -79,10 +79,9 @@ impl Kind {
 
 pub(super) fn init(args: &InitArgs) -> Result<(), Failure> {
     let Some(kind) = args.kind else {
-        let values = Kind::value_variants().iter().filter_map(ValueEnum::to_possible_value);
-        values.for_each(|kind| {
+        for kind in Kind::value_variants().iter().filter_map(ValueEnum::to_possible_value) {
             row!("{:<13}{}", kind.get_name(), kind.get_help().map(ToString::to_string).unwrap_or_default());
-        });
+        }
         return Ok(());
     };
     if let (Kind::Abaqus, file) | (_, file @ Some(_)) = (kind, &args.file) {

@@ -268,7 +268,7 @@ fn print_largest(report: &RunReport) {
     match (peak_of, pressure.map(stress)) {
         (Some(of), Some(pressure)) => {
             let of = if *of == PeakOf::Patches { " on a node with its neighbours" } else { "" };
-            row!("pressure     {pressure} at most{of}, {error}{across}, {place}{mean}");
+            row!("pressure     {pressure} at most{of}{mean}, {error}{across}, {place}");
         }
         _ => row!("pressure     too few tetrahedra across the contact for a peak, {place}"),
     }
