@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::model::Model;
 use crate::solver::formulation::Layout;
 use crate::solver::history::{
-    Error, HistoryMethod, HistorySettings, IncrementView, JumpSolver, Observer, RestartPoint, Status,
+    Error, HistoryMethod, HistorySettings, IncrementView, Observer, RestartPoint, Status, SystemSolver,
 };
 use crate::solver::laws::KktScales;
 use crate::solver::newton::IterationRecord;
@@ -147,12 +147,12 @@ impl JumpDetector {
         model: &Model,
         settings: &HistorySettings,
         scales: &KktScales,
-        solver: &mut JumpSolver<'_>,
+        system: &mut SystemSolver,
         observer: &mut dyn Observer,
     ) -> Result<Option<ForceJump>, Error> {
         let mut first: Option<ForceJump> = None;
         for suspect in self.suspects() {
-            let jump = suspect.jump(model, settings, scales, solver, observer)?;
+            let jump = suspect.jump(model, settings, scales, system, observer)?;
             let jump = jump.map(|(from, to, change)| ForceJump { from, to, share: change / self.largest });
             first = [first, jump].into_iter().flatten().min_by(|a, b| a.from.total_cmp(&b.from));
         }
@@ -167,7 +167,7 @@ impl Suspect {
         model: &Model,
         settings: &HistorySettings,
         scales: &KktScales,
-        solver: &mut JumpSolver<'_>,
+        system: &mut SystemSolver,
         observer: &mut dyn Observer,
     ) -> Result<Option<(f64, f64, f64)>, Error> {
         let (problem, loading) = (&model.problem, &model.loading);
@@ -182,7 +182,7 @@ impl Suspect {
             let (state, scales) = (from.state.clone(), scales.clone());
             let edge = RestartPoint { problem, loading, settings, time: from.time, state, scales };
             let mut halves = Halves { observer, problem, stays, ends: vec![from], found: None };
-            let status = edge.proceed(&[middle, to.time], &mut halves, solver)?;
+            let status = edge.proceed(&[middle, to.time], &mut halves, system)?;
             let Halves { mut ends, found, .. } = halves;
             let Some(found) = found else {
                 if matches!(status, Status::Converged | Status::Interrupted | Status::OutOfMemory) {

@@ -1,4 +1,4 @@
-//! Results as arrays, at the ends of selected increments.
+//! Results as arrays, at the ends of increments.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,19 +11,11 @@ use std::ops::ControlFlow;
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 #[non_exhaustive]
 pub struct Recording {
+    /// `true` if only the last increment is kept.
     #[serde(skip)]
-    wanted: Wanted,
-    /// The selected increments that were reached, in order.
+    only_last: bool,
+    /// The increments that were reached, in order; one that does not converge is the last of them.
     pub increments: Vec<RecordedIncrement>,
-}
-
-/// The selected increments. An increment that does not converge is the last one reached.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-enum Wanted {
-    #[default]
-    All,
-    Last,
-    These(Vec<usize>),
 }
 
 /// An increment with its data and its result, SI units throughout.
@@ -59,12 +51,7 @@ impl Recording {
 
     /// Creates a recording of the last increment that is reached.
     pub fn last() -> Self {
-        Recording { wanted: Wanted::Last, increments: Vec::new() }
-    }
-
-    /// Creates a recording of the increments of these numbers, from 1.
-    pub fn of(numbers: impl IntoIterator<Item = usize>) -> Self {
-        Recording { wanted: Wanted::These(numbers.into_iter().collect()), increments: Vec::new() }
+        Recording { only_last: true, increments: Vec::new() }
     }
 
     /// Returns the states at the ends of the recorded increments.
@@ -75,17 +62,10 @@ impl Recording {
 
 impl Observer for Recording {
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        let wanted = match &self.wanted {
-            Wanted::All => true,
-            Wanted::Last => {
-                self.increments.clear();
-                true
-            }
-            Wanted::These(numbers) => numbers.contains(&step.record.index),
-        };
-        if wanted {
-            self.increments.push(RecordedIncrement::new(step));
+        if self.only_last {
+            self.increments.clear();
         }
+        self.increments.push(RecordedIncrement::new(step));
         ControlFlow::Continue(())
     }
 }

@@ -15,7 +15,7 @@ use crate::run::report::{
     BodyRecord, ComponentSums, CycleWatch, EliminatedUnknown, EstimateWatch, Estimates, ExactPath, Explanation, Moment,
     PairRecord, Resultant, RunReport, SCHEMA_VERSION, Totals, Unknowns, Warning,
 };
-use crate::solver::history::{self, HistoryOutcome, HistorySettings, JumpSolver, Observer, Status, SystemSolver};
+use crate::solver::history::{self, HistoryOutcome, HistorySettings, Observer, Status, SystemSolver};
 use crate::solver::influence::influence;
 use crate::solver::laws::KktScales;
 use crate::solver::uniqueness::{self, CriticalFriction};
@@ -203,15 +203,7 @@ impl Run<'_> {
         if !jumps.are_suspected() {
             return Ok(None);
         }
-        let jump = match self.system() {
-            SystemSolver::Whole(mut linear) => {
-                jumps.first(&self.model, settings, scales, &mut JumpSolver::Whole(&mut linear), observer)
-            }
-            SystemSolver::Condensed(condensation) => {
-                jumps.first(&self.model, settings, scales, &mut JumpSolver::Condensed(&condensation), observer)
-            }
-        };
-        Ok(jump?)
+        Ok(jumps.first(&self.model, settings, scales, &mut self.system(), observer)?)
     }
 
     fn critical_friction(&self, last: &RecordedIncrement) -> Result<Option<CriticalFriction>, history::Error> {

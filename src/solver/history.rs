@@ -76,8 +76,8 @@ use state::HistoryState;
 use std::time::Instant;
 
 pub use choice::{HistoryMethod, SolverChoice};
+pub(crate) use events::RestartPoint;
 pub use events::follow_exact_path;
-pub(crate) use events::{JumpSolver, RestartPoint};
 pub use increment::WorkingSet;
 pub use increment_error::{IncrementError, IncrementErrors};
 pub use method::{Method, Start};

@@ -2,6 +2,7 @@
 //! connects, on earlier increments, or on units. A state that breaks a law is not accepted under any of them.
 
 use crate::common::prelude::*;
+use stickslip::solver::Law;
 use stickslip::solver::history::follow_exact_path;
 
 const FACTORS: [f64; 6] = [1e-12, 1e-6, 1e-3, 1e3, 1e6, 1e12];
@@ -124,7 +125,7 @@ fn states() -> Vec<(&'static str, Posed)> {
 fn agree(name: &str, expected: &KktErrors, found: &KktErrors, rounding: f64) {
     for ((law, a), (_, b)) in expected.components().into_iter().zip(found.components()) {
         let same = (a - b).abs() <= 1e-6 * a.max(b) + 1e-10;
-        let of_equilibrium = law == "equilibrium" && (a.min(b) > 1e-7 || (a - b).abs() <= rounding);
+        let of_equilibrium = law == Law::Equilibrium && (a.min(b) > 1e-7 || (a - b).abs() <= rounding);
         assert!(same || of_equilibrium, "{name}: {law} {a:e} and {b:e}, rounding {rounding:e}");
     }
 }

@@ -91,20 +91,12 @@ impl SparseCholesky {
 
 impl fmt::Display for SparseLu {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            SparseLu::Umfpack => "umfpack",
-            SparseLu::Mumps => "mumps",
-            SparseLu::Faer => "faer",
-            SparseLu::Partial => "partial",
-        })
+        self.serialize(f)
     }
 }
 
 impl fmt::Display for SparseCholesky {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            SparseCholesky::Cholmod => "cholmod",
-            SparseCholesky::Faer => "faer",
-        })
+        self.serialize(f)
     }
 }

@@ -1,7 +1,7 @@
 //! The balance of all forces on a body: loads, supports, springs and contact.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::AddAssign;
+use std::ops::Add;
 
 use super::Model;
 use super::constraints::Constraints;
@@ -51,21 +51,17 @@ impl Wrench {
     }
 }
 
-impl AddAssign for Wrench {
-    fn add_assign(&mut self, other: Self) {
-        for c in 0..3 {
-            self.force[c] += other.force[c];
-            self.moment[c] += other.moment[c];
-        }
+impl Add for Wrench {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Wrench { force: plus(self.force, 1.0, other.force), moment: plus(self.moment, 1.0, other.moment) }
     }
 }
 
 impl std::iter::Sum for Wrench {
     fn sum<I: Iterator<Item = Self>>(wrenches: I) -> Self {
-        wrenches.fold(Wrench::default(), |mut sum, wrench| {
-            sum += wrench;
-            sum
-        })
+        wrenches.fold(Wrench::default(), Add::add)
     }
 }
 
@@ -311,7 +307,7 @@ impl Model {
         for i in 0..self.contact.nodes.len() {
             size += norm(self.contact_force(state, i));
             for (term, force) in self.forces_of_rows(state, i) {
-                contact += Wrench::at(geometry, term.position, force.map(|f| -f));
+                contact = contact + Wrench::at(geometry, term.position, force.map(|f| -f));
                 add(&mut forces, 1.0, [(term.node, force)]);
             }
         }
@@ -326,13 +322,13 @@ impl Model {
                 parts.iter().partition(|(other, _)| self.constraints.dofs.is_jump(*other));
             if !jumps.is_empty() {
                 size += norm(passed);
-                glue += Wrench::at(geometry, self.mesh.nodes[node], passed);
-                glue += in_mesh.into_iter().map(|&(other, part)| self.wrench_on(other, part.map(|f| -f))).sum();
+                let across = in_mesh.into_iter().map(|&(other, part)| self.wrench_on(other, part.map(|f| -f)));
+                glue = across.fold(glue + Wrench::at(geometry, self.mesh.nodes[node], passed), Add::add);
             }
             for &&(jump, part) in &jumps {
                 if let Some((of, centre)) = self.constraints.joints.section(&self.constraints.dofs, jump) {
                     let arm = minus(self.mesh.nodes[node], centre);
-                    sections[of] += Wrench { force: part, ..Wrench::at(geometry, arm, part) };
+                    sections[of] = sections[of] + Wrench { force: part, ..Wrench::at(geometry, arm, part) };
                 }
             }
             add(&mut forces, 1.0, parts);
@@ -353,8 +349,7 @@ impl Model {
         let springs: Vec<Wrench> = springs.iter().map(of_bed).collect();
         size += loads.iter().zip(&factors).map(|(load, factor)| factor.abs() * load.size).sum::<f64>();
         let loads: Vec<Wrench> = loads.iter().zip(factors).map(|(load, factor)| load.whole.times(factor)).collect();
-        let mut imbalance: Wrench = loads.iter().chain(&supports).chain(&springs).copied().sum();
-        imbalance += contact;
+        let mut imbalance = loads.iter().chain(&supports).chain(&springs).copied().sum::<Wrench>() + contact;
         imbalance.moment = plus(imbalance.moment, 1.0, glue.moment);
         let [closure, force_closure] = self.left_of(imbalance).map(|left| if size > 0.0 { left / size } else { 0.0 });
         Balance { loads, supports, springs, sections, contact, closure, force_closure, size }

@@ -172,7 +172,7 @@ fn reason(solver: &SolverChoice, model: &Model, outcome: &HistoryOutcome, slip: 
         Status::NoEquilibrium => no_equilibrium(model, outcome),
         Status::NoContinuation => no_continuation(model, outcome),
         Status::Interrupted => "stopped on request".to_string(),
-        Status::Inaccurate | Status::Stalled if law == "equilibrium" && error <= 10.0 * outcome.rounding => format!(
+        Status::Inaccurate | Status::Stalled if law == Law::Equilibrium && error <= 10.0 * outcome.rounding => format!(
             "{violated}; displacements that are so much larger than the deformation, as of a slender or a hardly held \
              body, have this rounding error: hold the body by a support or stiffer springs, or, if this accuracy \
              suffices, set solver.tolerance above it"
@@ -245,14 +245,14 @@ fn stiffest(model: &Model) -> f64 {
 }
 
 /// Returns what the violation of a law is, by its name in reports.
-fn broken(law: &str) -> &'static str {
+fn broken(law: Law) -> &'static str {
     match law {
-        "equilibrium" => "the forces are not in equilibrium",
-        "penetration" => "a node penetrates its obstacle",
-        "tension" => "a contact force pulls",
-        "complementarity" => "a contact force acts across a gap",
-        "cone" => "friction exceeds mu times the normal force",
-        _ => "a node slips without full friction against its slip",
+        Law::Equilibrium => "the forces are not in equilibrium",
+        Law::Penetration => "a node penetrates its obstacle",
+        Law::Tension => "a contact force pulls",
+        Law::Complementarity => "a contact force acts across a gap",
+        Law::Cone => "friction exceeds mu times the normal force",
+        Law::Dissipation => "a node slips without full friction against its slip",
     }
 }
 

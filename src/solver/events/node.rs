@@ -53,12 +53,7 @@ impl NodeStatus {
 
 impl fmt::Display for NodeStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            NodeStatus::Open => "open",
-            NodeStatus::Stick => "stick",
-            NodeStatus::Forward => "slip+",
-            NodeStatus::Backward => "slip-",
-        })
+        self.serialize(f)
     }
 }
 

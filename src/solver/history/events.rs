@@ -11,7 +11,7 @@ use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome, Slip, check_times};
 use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
-use crate::solver::condensation::{Condensation, Condensed};
+use crate::solver::condensation::Condensed;
 use crate::solver::events::{Equations, Event, ExactPath, PathError, SegmentEnd};
 use crate::solver::laws::{Judgement, KktScales, statuses_of};
 use crate::solver::loading::Loading;
@@ -176,7 +176,8 @@ impl ExactHistory<'_> {
             let slide = lost.and_then(|_| self.sliding_motion(time, &data, &balanced.state));
             self.outcome.slip = slide.is_some().then(|| Slip { by: time, p_n: balanced.state.p_n.clone() });
             self.outcome.free_motion = slide.or_else(|| lost.and_then(|_| self.driven_motion(time)));
-            let flow = self.end(in_progress, &data, balanced, lost.map(|_| Status::NoContinuation))?;
+            let ended = if self.outcome.slip.is_some() { Status::Slips } else { Status::NoContinuation };
+            let flow = self.end(in_progress, &data, balanced, lost.map(|_| ended))?;
             self.outcome.linear = statistics(self.path.statistics(), factor, 0.0);
             if self.outcome.status != Status::Converged {
                 return Ok(());
@@ -365,14 +366,6 @@ pub(crate) struct RestartPoint<'a> {
     pub scales: KktScales,
 }
 
-/// The linear solver of these increments.
-pub(crate) enum JumpSolver<'m> {
-    /// The solver of the whole body.
-    Whole(&'m mut RefinedSolver),
-    /// The factorisation of the condensed body.
-    Condensed(&'m Condensation),
-}
-
 impl RestartPoint<'_> {
     /// Solves the increments that end at `times` (s), as far as they converge, and shows them to `observer`. Returns
     /// the last outcome.
@@ -383,7 +376,7 @@ impl RestartPoint<'_> {
         &self,
         times: &[f64],
         observer: &mut dyn Observer,
-        solver: &mut JumpSolver<'_>,
+        system: &mut SystemSolver,
     ) -> Result<Status, Error> {
         let &RestartPoint { problem, loading, settings, ref state, ref scales, .. } = self;
         let [w_n, w_t, w_o] = problem.contact_motion(&state.u);
@@ -398,11 +391,9 @@ impl RestartPoint<'_> {
         };
         let mut driver = HistoryDriver::new(problem, loading, times, settings, observer, &mut history);
         driver.is_ready = true;
-        match solver {
-            JumpSolver::Whole(linear) => {
-                driver.stage(settings, driver.body, linear)?;
-            }
-            JumpSolver::Condensed(condensation) => driver.condensed(settings, condensation)?,
+        match system {
+            SystemSolver::Whole(linear) => drop(driver.stage(settings, driver.body, linear)?),
+            SystemSolver::Condensed(condensation) => driver.condensed(settings, condensation)?,
         }
         Ok(driver.outcome.status)
     }

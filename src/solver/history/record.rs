@@ -49,22 +49,7 @@ pub enum Status {
 
 impl fmt::Display for Status {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Status::Converged => "converged",
-            Status::Inaccurate => "inaccurate",
-            Status::MaxIterations => "max-iterations",
-            Status::Cycling => "cycling",
-            Status::Diverged => "diverged",
-            Status::Stalled => "stalled",
-            Status::Singular => "singular",
-            Status::Slips => "slips",
-            Status::NoEquilibrium => "no-equilibrium",
-            Status::NoContinuation => "no-continuation",
-            Status::NotFinite => "not-finite",
-            Status::OutOfMemory => "out-of-memory",
-            Status::Interrupted => "interrupted",
-            Status::Unsupported => "unsupported",
-        })
+        self.serialize(f)
     }
 }
 

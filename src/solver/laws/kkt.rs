@@ -5,6 +5,8 @@
 //! a unit. No number elsewhere, however large, makes a violation small: not that of a row that no law compares it with,
 //! not that of a part of the body that neither elasticity nor contact connects, not that of an earlier increment.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
@@ -191,17 +193,11 @@ pub struct Violation {
 impl Law {
     const ALL: [Law; 6] =
         [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
+}
 
-    /// Returns the name of the law in reports.
-    pub fn name(self) -> &'static str {
-        match self {
-            Law::Equilibrium => "equilibrium",
-            Law::Penetration => "penetration",
-            Law::Tension => "tension",
-            Law::Complementarity => "complementarity",
-            Law::Cone => "cone",
-            Law::Dissipation => "dissipation",
-        }
+impl fmt::Display for Law {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.serialize(f)
     }
 }
 
@@ -447,16 +443,10 @@ impl KktErrors {
     /// Returns the larger of both in every component.
     #[must_use]
     pub fn max(mut self, other: &KktErrors) -> Self {
-        for law in Law::ALL {
-            raise(self.of_mut(law), other.of(law));
+        for (law, error) in other.components() {
+            raise(self.of_mut(law), error);
         }
         self
-    }
-
-    /// Returns the component of a law.
-    pub fn of(&self, law: Law) -> f64 {
-        let mut errors = *self;
-        *errors.of_mut(law)
     }
 
     fn of_mut(&mut self, law: Law) -> &mut f64 {
@@ -470,13 +460,14 @@ impl KktErrors {
         }
     }
 
-    /// Returns every component with its name.
-    pub fn components(&self) -> [(&'static str, f64); 6] {
-        Law::ALL.map(|law| (law.name(), self.of(law)))
+    /// Returns every component with its law.
+    pub fn components(&self) -> [(Law, f64); 6] {
+        let mut errors = *self;
+        Law::ALL.map(|law| (law, *errors.of_mut(law)))
     }
 
-    /// Returns the name and value of the largest component; NaN counts as the largest.
-    pub fn worst(&self) -> (&'static str, f64) {
+    /// Returns the law and value of the largest component; NaN counts as the largest.
+    pub fn worst(&self) -> (Law, f64) {
         let [first, rest @ ..] = self.components();
         rest.into_iter().fold(first, |worst, next| if exceeds(next.1, worst.1) { next } else { worst })
     }
