@@ -7,7 +7,8 @@
 //! largest at the ends of contact zones and at corners, so that most cells are there.
 //!
 //! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so
-//! that a polygon becomes a circle.
+//! that a polygon becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
+//! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -17,7 +18,7 @@ use std::sync::Arc;
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::{Recording, Run, RunError};
+use super::{RecordedIncrement, Run, RunError};
 use crate::base::input_error::InputError;
 use crate::body::contact;
 use crate::body::mesh::{Bisection, Curve, Mesh, MeshSource};
@@ -115,13 +116,13 @@ impl Refinement {
         let wanted = (digits * exact).floor() / digits;
         let meshes = self.meshes.len();
         self.until(wanted, &mut |_| (), observer)?;
-        let is_refined = self.meshes.len() > meshes && self.status == Status::Converged;
+        let is_refined = self.meshes.len() > meshes && is_known(self.status);
         Ok(is_refined.then_some(wanted))
     }
 
     /// Refines the mesh until its error is expected to be at most `wanted`, relative, in the energy norm; the run on
     /// the last mesh tells it. `prepare` sees each model and `observer` the iterations on coarser meshes. After a
-    /// history that does not converge, and if finer meshes hardly reduce the error, the mesh stays as it is.
+    /// history that neither converges nor ends by slip, and if finer meshes hardly reduce the error, the mesh stays as it is.
     ///
     /// # Errors
     /// If a run on a coarser mesh cannot be prepared or go on.
@@ -170,16 +171,18 @@ impl Refinement {
         Ok(())
     }
 
-    fn too_coarse(&self, place: &str) -> RunError {
-        let help = "give the first mesh shorter edges along the contact there, or cells that are less flat";
-        let message = format!("the contact is round at {place}, and the first mesh is too coarse to become so");
+    fn refused(&self, message: String, help: &str) -> RunError {
         RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
+    }
+
+    fn too_coarse(&self, place: &str) -> RunError {
+        let message = format!("the contact is round at {place}, and the first mesh is too coarse to become so");
+        self.refused(message, "give the first mesh shorter edges along the contact there, or cells that are less flat")
     }
 
     fn other_cells(&self) -> RunError {
         let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
-        let message = "only meshes of triangles or of tetrahedra refine themselves";
-        RunError::Scene(self.scene.located(InputError::new("mesh.refine", message, help)))
+        self.refused("only meshes of triangles or of tetrahedra refine themselves".into(), help)
     }
 
     /// Returns the errors of the present mesh: the largest ones at the output times, or at the end; `None` if the
@@ -196,8 +199,9 @@ impl Refinement {
                 let bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(curves(model)));
                 self.bisection = bisection.transpose().map_err(|place| self.too_coarse(&model.units().point(place)))?;
             }
-            let (status, errors) = MeshErrors::of(&run, &self.scene, observer)?;
-            self.errors = (status == Status::Converged).then_some(errors);
+            let angles = self.bisection.iter().flat_map(Bisection::angles).collect::<Vec<f64>>();
+            let (status, errors) = MeshErrors::of(&run, &self.scene, &angles, observer)?;
+            self.errors = is_known(status).then_some(errors);
             self.status = status;
         }
         Ok(self.errors.as_ref())
@@ -205,20 +209,39 @@ impl Refinement {
 }
 
 impl MeshErrors {
-    fn of(run: &Run<'_>, scene: &Scene, observer: &mut dyn Observer) -> Result<(Status, Self), RunError> {
-        let numbers: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
-        let mut recording = if numbers.is_empty() { Recording::last() } else { Recording::of(numbers) };
-        let status = run.history(&mut Recorded { recording: &mut recording, observer })?.status;
+    /// Solves the history. `angles` are those of [`Bisection::angles`].
+    fn of(
+        run: &Run<'_>,
+        scene: &Scene,
+        angles: &[f64],
+        observer: &mut dyn Observer,
+    ) -> Result<(Status, Self), RunError> {
+        let mut wanted: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
+        if wanted.is_empty() {
+            wanted.push(scene.time.increments);
+        }
+        let mut states = States { wanted, known: Vec::new(), observer };
+        let status = run.history(&mut states)?.status;
+        if status == Status::Converged {
+            states.known.pop_if(|last| !states.wanted.contains(&last.record.index));
+        }
         let model = run.model();
         let mesh = &model.mesh;
         let (mut error, mut squares) = (0.0_f64, vec![0.0_f64; mesh.cells.len()]);
-        for increment in &recording.increments {
+        for increment in &states.known {
             let t = increment.record.time;
             let displacements = model.displaced(t, &increment.state.u);
             let estimate = ElementEstimate::new(model, &model.thermal_factors(t), &displacements, &[]);
             let Some(own) = estimate.discretisation else { continue };
-            error = error.max(own.whole);
-            squares.iter_mut().zip(&own.of_cells).for_each(|(square, share)| *square = square.max(share * share));
+            let round = own.energies.iter().zip(angles).filter(|(_, angle)| **angle > 0.0);
+            let at_round = round.map(|(energy, _)| energy).sum::<f64>().max(f64::MIN_POSITIVE);
+            let mut whole = own.whole.powi(2);
+            for (e, square) in squares.iter_mut().enumerate() {
+                let of_chords = angles[e] * own.energies[e] / at_round;
+                whole += of_chords;
+                *square = square.max(own.of_cells[e].powi(2) + of_chords);
+            }
+            error = error.max(whole.sqrt());
         }
         let order = if mesh.cells.iter().any(|cell| cell.kind.is_quadratic()) { 2.0 } else { 1.0 };
         let mesh = CoarserMesh { nodes: mesh.nodes.len(), cells: mesh.cells.len(), error };
@@ -226,19 +249,29 @@ impl MeshErrors {
     }
 }
 
-/// A recording of a run whose iterations another observer sees.
-struct Recorded<'a> {
-    recording: &'a mut Recording,
+/// Returns `true` if a history has states that tell the errors of its mesh: up to its end, or to the slip of a joint.
+fn is_known(status: Status) -> bool {
+    matches!(status, Status::Converged | Status::Slips)
+}
+
+/// Keeps the states after the increments that are wanted, and after the last one.
+struct States<'a> {
+    wanted: Vec<usize>,
+    known: Vec<RecordedIncrement>,
     observer: &'a mut dyn Observer,
 }
 
-impl Observer for Recorded<'_> {
+impl Observer for States<'_> {
     fn iteration(&mut self, index: usize, record: &IterationRecord) -> ControlFlow<()> {
         self.observer.iteration(index, record)
     }
 
     fn increment(&mut self, step: &IncrementView<'_>) -> ControlFlow<()> {
-        self.recording.increment(step)
+        if step.record.status == Status::Converged {
+            self.known.pop_if(|last| !self.wanted.contains(&last.record.index));
+            self.known.push(RecordedIncrement::new(step));
+        }
+        ControlFlow::Continue(())
     }
 }
 

@@ -24,6 +24,8 @@ pub struct DiscretisationError {
     pub whole: f64,
     /// The error of each cell, as a share of the energy norm of its part.
     pub of_cells: Vec<f64>,
+    /// The share of each cell in the squared energy norm of its part.
+    pub energies: Vec<f64>,
     /// The relative error of the stresses in the root mean square; only for laws with a Poisson's ratio of 0.45 or
     /// more, where pressures may be very inaccurate but contribute little to the energy.
     pub stresses: Option<f64>,
@@ -67,7 +69,7 @@ impl DiscretisationError {
             }
             squares.push(square);
         }
-        let (mut whole, mut of_cells) = (None, vec![0.0; squares.len()]);
+        let (mut whole, mut of_cells, mut energies) = (None, vec![0.0; squares.len()], vec![0.0; squares.len()]);
         for cells in strains.parts() {
             let square = sum(&cells, &squares);
             let energy = 2.0 * sum(&cells, &strains.energies) + square;
@@ -75,12 +77,14 @@ impl DiscretisationError {
                 whole = Some((square / energy).sqrt().max(whole.unwrap_or(0.0)));
                 for e in cells {
                     of_cells[e] = (squares[e] / energy).sqrt();
+                    energies[e] = (2.0 * strains.energies[e] + squares[e]) / energy;
                 }
             }
         }
         Some(DiscretisationError {
             whole: whole?,
             of_cells,
+            energies,
             square: squares.iter().sum(),
             stresses: (stresses[1] > 0.0).then(|| (stresses[0] / stresses[1]).sqrt()),
         })

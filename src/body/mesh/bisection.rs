@@ -16,7 +16,7 @@ const FOLDING: f64 = 0.25;
 /// The ends of an edge, the lower number first.
 type Edge = [usize; 2];
 
-/// The middle of an edge counts as curved if its distance from the middle of the chord is above this share of the length.
+/// An edge counts as curved if the distance of its middle node from the chord is above this share of the length.
 const CURVED: f64 = 1e-9;
 
 /// The curved surface of which an edge is a chord.
@@ -31,6 +31,30 @@ pub(crate) struct Curve {
 }
 
 impl Curve {
+    /// Returns the arc of a circle from one of the `ends` through a `middle` to the other; `None` if they are on a line.
+    fn arc([x, y]: [[f64; 3]; 2], middle: [f64; 3]) -> Option<Self> {
+        let chord = minus(y, x);
+        let (half, along) = (0.5 * norm(chord), unit(chord));
+        let from_chord = minus(middle, between(x, y));
+        let up = across(from_chord, along);
+        let height = norm(up);
+        if height <= CURVED * 2.0 * half {
+            return None;
+        }
+        // The centre of the circle is that far above the chord.
+        let centre = (dot(from_chord, from_chord) - half * half) / (2.0 * height);
+        let radius = half.hypot(centre);
+        let normal = |side: f64| plus(along.map(|c| side * half * c / radius), -centre / (radius * height), up);
+        Some(Curve { normals: [normal(-1.0), normal(1.0)], along: 1.0 / radius, largest: 1.0 / radius })
+    }
+
+    /// Returns the curve with the normals on the side of `normal`.
+    fn towards(self, normal: [f64; 3]) -> Self {
+        let side = dot(plus(self.normals[0], 1.0, self.normals[1]), normal).signum();
+        let normals = self.normals.map(|n| n.map(|c| side * c));
+        Curve { normals, along: side * self.along, largest: side * self.largest }
+    }
+
     /// Returns the point of the surface over the middle of the edge between `ends`, and the normal there: the bulge is
     /// that of gaps between faceted boundaries, exact on circles and spheres.
     fn middle(&self, [x, y]: [[f64; 3]; 2]) -> ([f64; 3], [f64; 3]) {
@@ -70,9 +94,7 @@ pub struct Bisection {
     is_quadratic: bool,
     nodes: Vec<[f64; 3]>,
     simplices: Vec<Simplex>,
-    /// The middles of curved edges, m.
-    curved: HashMap<Edge, [f64; 3]>,
-    /// The surfaces of which edges are chords.
+    /// The curved surfaces of edges.
     surfaces: HashMap<Edge, Curve>,
     /// The corners of each facet of the boundaries of the first mesh.
     facets: Vec<Facet>,
@@ -87,12 +109,6 @@ fn edge(a: usize, b: usize) -> Edge {
 /// Returns the edges between these `corners`.
 fn edges(corners: &[usize]) -> impl Iterator<Item = Edge> {
     corners.iter().enumerate().flat_map(|(k, &a)| corners[..k].iter().map(move |&b| edge(a, b)))
-}
-
-/// Computes the point of the parabola through `ends` and a `middle` between them, at this share of the way.
-fn on_parabola([x, y]: [[f64; 3]; 2], middle: [f64; 3], s: f64) -> [f64; 3] {
-    let n = [(1.0 - s) * (1.0 - 2.0 * s), s * (2.0 * s - 1.0), 4.0 * s * (1.0 - s)];
-    [0, 1, 2].map(|c| n[0] * x[c] + n[1] * y[c] + n[2] * middle[c])
 }
 
 /// Returns the least height of a triangle or a tetrahedron.
@@ -187,14 +203,12 @@ impl Bisection {
                 due: 0,
             }
         };
-        let mut curved = HashMap::new();
+        let mut surfaces = HashMap::new();
         for cell in &mesh.cells {
             for (ends, &middle) in cell.kind.properties().edges.iter().zip(&cell.nodes[corners..]) {
-                let ([a, b], middle) = (ends.map(|k| cell.nodes[k]), mesh.nodes[middle]);
-                let chord = between(mesh.nodes[a], mesh.nodes[b]);
-                if norm(minus(middle, chord)) > CURVED * length([a, b]).sqrt() {
-                    curved.insert(edge(a, b), middle);
-                }
+                let ends = edge(cell.nodes[ends[0]], cell.nodes[ends[1]]);
+                let arc = Curve::arc(ends.map(|node| mesh.nodes[node]), mesh.nodes[middle]);
+                surfaces.extend(arc.map(|arc| (ends, arc)));
             }
         }
         Some(Bisection {
@@ -202,19 +216,19 @@ impl Bisection {
             is_quadratic: mesh.cells.iter().any(|cell| cell.kind.is_quadratic()),
             nodes: mesh.nodes.clone(),
             simplices: mesh.cells.iter().map(simplex).collect(),
-            curved,
-            surfaces: HashMap::new(),
+            surfaces,
             facets,
             of_boundaries,
         })
     }
 
-    /// Lets the nodes of edges of the first mesh that are chords of a curved surface lie on it.
+    /// Lets the nodes of straight edges of the first mesh that are chords of a curved surface lie on it.
     ///
     /// # Errors
     /// The middle of an edge from which the surface is further away than a share of the height of a cell, which might fold.
     pub(crate) fn follow(mut self, surfaces: impl IntoIterator<Item = (Edge, Curve)>) -> Result<Self, [f64; 3]> {
-        self.surfaces = surfaces.into_iter().filter(|(edge, _)| !self.curved.contains_key(edge)).collect();
+        let chords = surfaces.into_iter().filter(|(edge, _)| !self.surfaces.contains_key(edge));
+        let chords: HashMap<Edge, Curve> = chords.collect();
         for simplex in &self.simplices {
             let own = &simplex.corners[..=self.first.dimension];
             let height = height(&own.iter().map(|&node| self.nodes[node]).collect::<Vec<_>>());
@@ -222,12 +236,26 @@ impl Bisection {
                 let ends = edge.map(|node| self.nodes[node]);
                 let chord = between(ends[0], ends[1]);
                 let away = |curve: &Curve| norm(minus(curve.middle(ends).0, chord));
-                if self.surfaces.get(&edge).is_some_and(|curve| away(curve) > FOLDING * height) {
+                if chords.get(&edge).is_some_and(|curve| away(curve) > FOLDING * height) {
                     return Err(chord);
                 }
             }
         }
+        self.surfaces.extend(chords);
         Ok(self)
+    }
+
+    /// Returns the mean square of the angle between the straight edges of each cell and the curved surfaces of which they are
+    /// chords: a twelfth of the square of the angle by which the surface turns along the edge.
+    pub(crate) fn angles(&self) -> impl Iterator<Item = f64> {
+        let square = |[a, b]: Edge| {
+            let curve = self.surfaces.get(&[a, b]).filter(|_| !self.is_quadratic)?;
+            Some((curve.along * norm(minus(self.nodes[b], self.nodes[a]))).powi(2) / 12.0)
+        };
+        let corners = self.first.dimension + 1;
+        self.simplices
+            .iter()
+            .map(move |simplex| edges(&simplex.corners[..corners]).filter_map(square).fold(0.0, f64::max))
     }
 
     /// Divides the cells with these numbers in [`Bisection::mesh`] until they have half the size, and others until the
@@ -259,22 +287,16 @@ impl Bisection {
         }
     }
 
-    /// Adds the node at the middle of an edge. On a curved edge it lies on the curve, whose halves are curved, too.
+    /// Adds the node at the middle of an edge. On a curved edge it lies on the surface, which its halves keep.
     fn divide(&mut self, [a, b]: Edge) -> usize {
         let (ends, new) = ([self.nodes[a], self.nodes[b]], self.nodes.len());
-        let middle = self.curved.remove(&[a, b]);
-        if let Some(middle) = middle {
-            self.curved.insert(edge(a, new), on_parabola(ends, middle, 0.25));
-            self.curved.insert(edge(b, new), on_parabola(ends, middle, 0.75));
-        }
         let surface = self.surfaces.get(&[a, b]).map(|curve| (*curve, curve.middle(ends)));
         if let Some((curve, (_, normal))) = surface {
             for (end, of_end) in [a, b].into_iter().zip(curve.normals) {
                 self.surfaces.insert([end, new], Curve { normals: [of_end, normal], ..curve });
             }
         }
-        let middle = middle.or(surface.map(|(_, (middle, _))| middle));
-        self.nodes.push(middle.unwrap_or_else(|| between(ends[0], ends[1])));
+        self.nodes.push(surface.map_or_else(|| between(ends[0], ends[1]), |(_, (middle, _))| middle));
         new
     }
 
@@ -286,21 +308,33 @@ impl Bisection {
         let third = |d: usize| corners.iter().enumerate().find(|(k, node)| *k != d && ![a, b].contains(node));
         let thirds: Vec<usize> = on_boundary.filter_map(third).map(|(_, &node)| node).collect();
         for c in thirds {
-            let curve = |edge: Edge| {
-                let chord = minus(self.nodes[edge[1]], self.nodes[edge[0]]);
-                self.surfaces.get(&edge).map(|curve| (curve, curve.along * dot(chord, chord)))
+            let sides = [[a, b], edge(a, c), edge(b, c)];
+            let curves = sides.map(|side| self.surfaces.get(&side).copied());
+            // Arcs have normals to their inside.
+            let Some(about) = curves.iter().flatten().next().map(|curve| plus(curve.normals[0], 1.0, curve.normals[1]))
+            else {
+                continue;
             };
-            let sides = (curve([a, b]), curve(edge(a, c)), curve(edge(b, c)));
-            let (Some((divided, base)), Some((side, first)), Some((_, second))) = sides else { continue };
+            let curves = curves.map(|curve| curve.map(|curve| curve.towards(about)));
+            let [base, first, second] = [0, 1, 2].map(|k| {
+                let chord = minus(self.nodes[sides[k][1]], self.nodes[sides[k][0]]);
+                curves[k].map_or(0.0, |curve| curve.along * dot(chord, chord))
+            });
             let ends = [a, b].map(|node| self.nodes[node]);
             let median = minus(between(ends[0], ends[1]), self.nodes[c]);
-            let mut normals = [side.normals[usize::from(a < c)], divided.middle(ends).1];
+            let at = |node: usize| {
+                let own = |k: usize| Some(curves[k]?.normals[sides[k].iter().position(|end| *end == node)?]);
+                unit((1..3).filter_map(own).reduce(|one, other| plus(one, 1.0, other)).unwrap_or(about))
+            };
+            let in_middle = curves[0].map_or_else(|| unit(plus(at(a), 1.0, at(b))), |curve| curve.middle(ends).1);
+            let mut normals = [at(c), in_middle];
             if middle < c {
                 normals.reverse();
             }
             let along = (0.5 * (first + second) - 0.25 * base) / dot(median, median);
-            let curve = Curve { normals, along, largest: divided.largest };
-            self.surfaces.insert(edge(c, middle), curve);
+            let curvatures = curves.iter().flatten().map(|curve| curve.largest);
+            let largest = curvatures.max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or_default();
+            self.surfaces.insert(edge(c, middle), Curve { normals, along, largest });
         }
     }
 
@@ -353,8 +387,7 @@ impl Bisection {
                 let [a, b] = ends.map(|k| simplex.corners[k]);
                 let ends = edge(a, b);
                 let on_surface = |curve: &Curve| curve.middle(ends.map(|node| self.nodes[node])).0;
-                let position = self.curved.get(&ends).copied().or_else(|| self.surfaces.get(&ends).map(on_surface));
-                if let Some(position) = position {
+                if let Some(position) = self.surfaces.get(&ends).map(on_surface) {
                     mesh.nodes[middle] = position;
                 }
             }
@@ -477,7 +510,7 @@ mod tests {
         }
     }
 
-    /// New nodes on a curved edge lie on its parabola.
+    /// New nodes on a curved edge lie on the circle through its nodes.
     #[test]
     fn curved_edges_stay_curved() {
         let mut mesh = block(&[1.0, 1.0], &[1, 1]).into_simplices().into_second_order();
@@ -492,7 +525,7 @@ mod tests {
         let nodes = mesh.boundary("bottom").unwrap().nodes();
         assert!(nodes.len() > 16);
         for [x, y, _] in mesh.points(&nodes) {
-            assert!((y + 0.4 * x * (1.0 - x)).abs() < 1e-15, "({x}, {y})");
+            assert!(((x - 0.5).hypot(y - 1.2) - 1.3).abs() < 1e-14, "({x}, {y})");
         }
     }
 

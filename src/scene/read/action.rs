@@ -330,7 +330,7 @@ pub(super) struct PretensionTable {
     /// Example: `boundary = "shank:top"`. Value: name.
     pub boundary: String,
     /// Force across the section, positive for tension. Plane bodies without thickness: N per m of depth; bodies of
-    /// revolution: over the full circumference.
+    /// revolution: over the full circumference; half models: of the half.
     /// Example: `force = 10e3`. Value: number, N. Default: this or `shortening`.
     pub force: Option<f64>,
     /// Length by which the bolt is shortened: its boundary moves so far beyond the other side.
