@@ -27,7 +27,7 @@ pub use hertz::HertzContact;
 pub(crate) use locking::expected_locking;
 pub(crate) use stresses::StressRecovery;
 pub use zone::{ContactEstimate, PeakOf, StickZone, peak_error};
-pub(crate) use zone::{NOTHING, PeakZone, SlipZones};
+pub(crate) use zone::{NOTHING, PeakZone, SlipZones, largest_error};
 
 /// Estimates of locking and of the mesh error, from the strains of the body.
 #[derive(Debug, Clone, PartialEq)]

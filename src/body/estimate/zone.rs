@@ -43,8 +43,8 @@ pub struct ContactEstimate {
     pub peak_of: Option<PeakOf>,
     /// The excess of the peak pressure over the patch pressure, as a share.
     pub scatter: f64,
-    /// The largest error of the peak, as a share: `2 / n^1.5` for n nodes across; for n of at least 5, the scatter if
-    /// that is larger.
+    /// The largest error of the peak, as a share: `2 / n^1.5` for n nodes across, or for fewer in the ratio of the depth of the
+    /// elements to their length if they are deeper; for n of at least 5, the scatter if that is larger.
     pub peak_error: Option<f64>,
     /// The largest error of the width of the zone, as a share: `4 / n^1.5`.
     pub width_error: Option<f64>,
@@ -137,6 +137,21 @@ pub fn peak_error(n: usize) -> f64 {
     2.0 / (n as f64).powf(1.5)
 }
 
+/// Returns the largest error of the peak pressure at contact node `i` of a zone with `n` nodes across, as a share: of fewer
+/// nodes where cells are deeper than long.
+pub(crate) fn largest_error(model: &Model, graph: &ContactGraph, i: usize, n: usize) -> f64 {
+    let (contact, nodes) = (&model.contact.nodes[i], &model.mesh.nodes);
+    let height = |node: &usize| dot(contact.facing.normal, minus(nodes[*node], contact.position)).abs();
+    let cells = model.mesh.cells.iter().filter(|cell| cell.nodes.contains(&contact.node));
+    let depth = cells.map(|cell| {
+        let most = cell.nodes.iter().map(height).fold(0.0, f64::max);
+        // Cells of second order have nodes at half the height.
+        if cell.kind.is_quadratic() { 0.5 * most } else { most }
+    });
+    let elongation = depth.fold(f64::INFINITY, f64::min) / element_size(model, graph, i);
+    elongation.max(1.0).powf(1.5) * peak_error(n)
+}
+
 impl ContactEstimate {
     /// Estimates the resolution of surface `k` of `graph` in a `state` at `time` (s), without its stick and slip zones; `None`
     /// without contact.
@@ -168,7 +183,7 @@ impl ContactEstimate {
         let mirrored = graph.mirrored[peak] && model.mesh.dimension == 2 && mean > 0.0;
         let off = if mirrored { peak_pressure / mean - 1.0 } else { scatter };
         let (around_peak, across_peak) = zones.iter().find(|(zone, _)| zone.contains(&peak))?;
-        let peak_error = across_peak.map(|n| match peak_error(n) {
+        let peak_error = across_peak.map(|n| match largest_error(model, graph, peak, n) {
             of_width if n >= SCATTER_FROM => of_width.max(off),
             of_width => of_width,
         });

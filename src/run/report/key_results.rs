@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::estimates::Estimates;
 use super::friction_use::FrictionUse;
 use super::largest::is_as_large;
-use super::resultant::ForceRecord;
+use super::resultant::{ForceRecord, NO_RESULTANT};
 use crate::algebra::vector::dot;
 use crate::body::mesh::Geometry;
 use crate::body::model::Model;
@@ -150,9 +150,6 @@ impl Moment {
         (error.map(|error| error / magnitude).filter(|share| !given && *share <= 1.0), given)
     }
 }
-
-/// A sum of forces is rounding below this share of the normal forces at the nodes, as around a shaft in its hub.
-const NO_RESULTANT: f64 = 1e-12;
 
 /// Collects the largest force and the friction work during a history.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

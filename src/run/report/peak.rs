@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::body::estimate::{ContactEstimate, ContactGraph, NOTHING, PeakOf, PeakZone, peak_error};
+use crate::body::estimate::{ContactEstimate, ContactGraph, NOTHING, PeakOf, PeakZone, largest_error};
 use crate::body::model::Model;
 use crate::solver::history::IncrementView;
 use crate::solver::laws::ContactStatus;
@@ -126,7 +126,7 @@ impl Peak {
         let own = match surface.peak_error {
             _ if surface.singular_edge || across.is_some_and(|n| n <= NOTHING) => return None,
             // The scatter is larger than the envelope, and an error itself: the peak is that of a node which scatters up.
-            Some(largest) if across.is_some_and(|n| largest > peak_error(n)) => largest,
+            Some(largest) if across.is_some_and(|n| largest > largest_error(model, graph, self.at[1], n)) => largest,
             Some(largest) => OF_LARGEST * largest,
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
             None if self.slides_at_the_rim(model, graph) => return None,

@@ -223,6 +223,10 @@ impl ContactSlip {
     }
 }
 
+/// A sum of forces is rounding, or an error that the laws tolerate, below this share of the normal forces at the nodes, as
+/// around a shaft in its hub.
+pub(super) const NO_RESULTANT: f64 = 1e-10;
+
 impl ForceRecord {
     /// Returns the records of a step, one for each boundary with contact.
     pub fn all(model: &Model, step: &IncrementView<'_>) -> Vec<Self> {
@@ -230,8 +234,9 @@ impl ForceRecord {
         let record = |boundary: &ContactBoundary| {
             let resultant = Resultant::of(model, time, step.state, boundary);
             let slip = ContactSlip::of(model, step, boundary);
+            let used = |[t, o]: [f64; 2], limit: f64| Some(t.hypot(o) / limit).filter(|share| *share > NO_RESULTANT);
             let (slip_state, friction_used) =
-                slip.map(|(slip, limit, [t, o])| (slip, if limit > 0.0 { t.hypot(o) / limit } else { 0.0 })).unzip();
+                slip.map(|(slip, limit, sum)| (slip, used(sum, limit).unwrap_or(0.0))).unzip();
             let (_, friction_limit, tangential) = slip.unwrap_or((ContactSlip::Open, 0.0, [0.0; 2]));
             ForceRecord { index, time, resultant, slip_state, friction_used, friction_limit, tangential }
         };

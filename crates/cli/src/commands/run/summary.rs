@@ -292,8 +292,9 @@ fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
 /// Formats a share in percent, with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    // Not 0.0.
-    if percent < 9.5 { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
+    // What is not 0 is not told as 0.0.
+    let is_small = share != 0.0 && percent < 9.5;
+    if is_small { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
 }
 
 /// Formats a place with few digits.
