@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::study::{MeshSize, Places, StudyError, TableQuantity};
 use stickslip::body::ModelError;
 use stickslip::body::mesh::{Mesh, MeshSource};
-use stickslip::run::report::{LargestPressure, RunReport};
+use stickslip::run::report::{RunReport, WarningKind};
 use stickslip::run::{Refinement, Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::IterationRecord;
@@ -31,6 +31,9 @@ use stickslip::solver::history::{Observer, Status};
 pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use steps::{Errors, Limits, Step, StudyResult};
+
+/// The number of meshes finer than the scene's on which slip may be seen first.
+const FINER: usize = 2;
 
 /// A plan of a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -244,9 +247,11 @@ fn solve(
         Status::Interrupted => Some((Verdict::Interrupted, reason)),
         _ => Some((Verdict::NotConverged, reason)),
     };
-    let singular = |largest: &LargestPressure| sought.is_peak() && largest.singular;
-    // Narrow zones of tetrahedra have no peak, and on a coarse mesh all nodes may stick.
-    let may_come = ladder.is_coarse(mesh) || (sought.is_peak() && report.largest_pressure.is_some());
+    let warned = |is: fn(WarningKind) -> bool| report.warnings.iter().any(|warning| is(warning.kind));
+    // Narrow zones of tetrahedra have no peak, and on coarse meshes all nodes may stick.
+    let finer = if follows_path && sought.word() == "friction_work" { FINER } else { 0 };
+    let may_come =
+        ladder.is_coarse(mesh.saturating_sub(finer)) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
         return Err(StudyError::NoValue { sought: sought.name(), known: quantity::words_of(&json) });
     }
@@ -259,11 +264,13 @@ fn solve(
         dimension,
         increments: number,
         value: value.filter(|_| failure.is_none()),
-        rounding: sought.rounding(&report),
+        rounding: value.map_or([0.0; 2], |value| sought.rounding(value, &report, &json)),
         is_resolved: sought.is_resolved(&report),
-        doubt: match &report.largest_pressure {
-            Some(largest) if singular(largest) => Some(Verdict::Singular),
-            _ => report.warnings.iter().any(|warning| warning.kind.is_grave()).then_some(Verdict::Warned),
+        is_seen: !warned(|kind| kind == WarningKind::CONTACT_UNRESOLVED),
+        doubt: if sought.is_peak() && report.largest_pressure.as_ref().is_some_and(|largest| largest.singular) {
+            Some(Verdict::Singular)
+        } else {
+            warned(WarningKind::is_grave).then_some(Verdict::Warned)
         },
         follows_path,
         failure,

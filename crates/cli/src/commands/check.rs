@@ -17,7 +17,7 @@ use std::collections::BTreeSet;
 use stickslip::base::{Budget, Quantity, UnitSystem, in_words, six_digits};
 use stickslip::body::constraints::RigidMotion;
 use stickslip::body::fem::{Element, Material, Plane};
-use stickslip::body::mesh::{CellKind, MeshSource};
+use stickslip::body::mesh::MeshSource;
 use stickslip::body::{
     Action, Bed, Coupling, CouplingKind, Direction, Held, Model, Pretension, Support, Tightening, Where,
 };
@@ -80,28 +80,11 @@ pub(super) fn check(args: &CheckArgs) -> Result<(), Failure> {
 fn body(scene: &Scene, model: &Model) {
     let units = model.units();
     let kind = made(&scene.description.mesh, model);
-    let mut cells: Vec<CellKind> = model.mesh.cells.iter().map(|cell| cell.kind).collect();
-    cells.dedup();
-    let cells = match (&cells[..], model.element()) {
-        ([CellKind::Triangle], _) => "linear triangles",
-        ([CellKind::Tetrahedron], _) => "linear tetrahedra",
-        ([CellKind::Triangle6], _) => "quadratic triangles",
-        ([CellKind::Tetrahedron10], _) => "quadratic tetrahedra",
-        ([CellKind::Quadrilateral], Element::BBar) => "B-bar quadrilaterals",
-        ([CellKind::Quadrilateral], _) => "bilinear quadrilaterals",
-        ([CellKind::Hexahedron], Element::BBar) => "B-bar hexahedra",
-        ([CellKind::Hexahedron], _) => "trilinear hexahedra",
-        ([CellKind::Prism], Element::BBar) => "B-bar prisms",
-        ([CellKind::Prism], _) => "prisms",
-        ([CellKind::Quadrilateral8 | CellKind::Quadrilateral9], _) => "quadratic quadrilaterals",
-        ([CellKind::Hexahedron20], _) => "quadratic hexahedra",
-        ([CellKind::Prism15], _) => "quadratic prisms",
-        (_, Element::BBar) => "B-bar elements of several kinds",
-        _ => "elements of several kinds",
-    };
-    let averaged = if model.element() == Element::NodalVolume { " with nodal volumes" } else { "" };
+    let kinds = model.mesh.cells.iter().map(|cell| cell.kind.name()).collect::<BTreeSet<_>>();
+    let element = Some(model.element().name()).filter(|_| model.element() != Element::Bilinear);
     row!(
-        "mesh         {kind} {cells}{averaged}, {} nodes, boundaries {}",
+        "mesh         {kind} elements ({}), {} nodes, boundaries {}",
+        kinds.into_iter().chain(element).collect::<Vec<_>>().join(", "),
         model.mesh.nodes.len(),
         model.mesh.boundary_names().join(", ")
     );

@@ -153,11 +153,11 @@ impl Convergence {
         let asked = self.percent(self.to);
         let so_far = self.known().unwrap_or_else(|| format!("the error of the {sought} cannot be estimated yet"));
         let total = self.result.errors.as_ref().and_then(Errors::total);
-        let by_few = total.is_some_and(|total| total <= self.to);
         let short = match total {
             None => String::new(),
-            Some(_) if by_few => ", but by too few meshes".to_string(),
-            Some(_) => format!(", not {asked}"),
+            Some(total) if total > self.to => format!(", not {asked}"),
+            Some(_) if last.is_seen => ", but by too few meshes".to_string(),
+            Some(_) => ", but too few nodes touch".to_string(),
         };
         match self.result.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),
@@ -184,9 +184,6 @@ impl Convergence {
                 Some(next) => format!("{so_far}{short}: the next run would take about {next:.0} s more (--within)"),
                 None => format!("{so_far}{short}: the time was over before the end of a run (--within)"),
             },
-            Verdict::NoFinerMesh if self.result.reason.is_empty() => {
-                format!("{so_far}{short}: no finer mesh is named (--meshes)")
-            }
             Verdict::NoFinerMesh | Verdict::MemoryLimit => format!("{so_far}{short}: {}", self.result.reason),
         }
     }

@@ -17,11 +17,24 @@ impl TableQuantity {
         self.word() == "peak"
     }
 
-    /// Returns the error of the value by rounding to whole elements: half an element at each end of the stick zone, three
-    /// times the typical error.
-    pub(super) fn rounding(&self, report: &RunReport) -> f64 {
-        let is_stick = self.word() == "stick_ratio";
-        report.stick_zone.as_ref().filter(|_| is_stick).map_or(0.0, |stick| 3.0 * stick.uncertainty)
+    /// Returns the errors of a `value` by rounding to whole elements, and to whole increments: half an element at each end of
+    /// the stick zone, three times the typical error; the increment that ends at a time, or in which the joint slips.
+    pub(super) fn rounding(&self, value: f64, report: &RunReport, json: &Value) -> [f64; 2] {
+        let elements = report.stick_zone.as_ref().filter(|_| self.word() == "stick_ratio");
+        let elements = elements.map_or(0.0, |stick| 3.0 * stick.uncertainty);
+        let text = self.text();
+        let (parent, key) = text.rsplit_once('.').unwrap_or(("", text));
+        let end = |k: usize| format!("{parent}.between[{k}]").parse::<TableQuantity>().ok()?.of(json).as_f64();
+        let increments = match (key, &report.explanation.slip) {
+            ("force" | "moment", Some(slip)) if parent == "slip" => Some(value * (1.0 - slip.friction_used)),
+            ("time" | "slips_from" | "slips_wholly_from", _) => {
+                let before = report.increments.iter().map(|one| one.time).filter(|time| *time < value);
+                Some(value - before.fold(0.0, f64::max))
+            }
+            _ if key.starts_with("between") => end(1).zip(end(0)).map(|(by, from)| by - from),
+            _ => None,
+        };
+        [elements, increments.map_or(0.0, f64::abs)]
     }
 
     /// Returns `true` if the contact has enough nodes across for the value to follow an order.

@@ -55,10 +55,12 @@ pub struct Step {
     pub increments: usize,
     /// The value, SI; `None` if the run has none.
     pub value: Option<f64>,
-    /// The error of the value by rounding to whole elements.
-    pub rounding: f64,
-    /// `true` if the contact has enough nodes across.
+    /// The errors of the value by rounding to whole elements, and to whole increments.
+    pub rounding: [f64; 2],
+    /// `true` if the contact has enough nodes across for the quantity.
     pub is_resolved: bool,
+    /// `true` if the contact has enough nodes across for forces.
+    pub is_seen: bool,
     /// The reason why the value is never known, if the run tells one: a singular peak, or a warning.
     pub doubt: Option<Verdict>,
     /// `true` if the value depends on the increments.
@@ -78,8 +80,8 @@ pub struct Errors {
     pub increments: Option<Limit>,
     /// `true` if the value depends on the increments.
     pub follows_path: bool,
-    /// The error by rounding to whole elements.
-    pub rounding: f64,
+    /// The errors by rounding to whole elements, and to whole increments.
+    pub rounding: [f64; 2],
     /// The value of the last run.
     pub value: f64,
 }
@@ -87,14 +89,14 @@ pub struct Errors {
 impl Errors {
     /// Returns the uncertainty of the mesh as a share of the value.
     pub fn of_mesh(&self) -> Option<f64> {
-        self.share(self.mesh?.uncertainty.max(self.rounding))
+        self.share(self.mesh?.uncertainty.max(self.rounding[0]))
     }
 
     /// Returns the uncertainty of the increments as a share of the value; 0 if it does not depend on them, `None` if it is
     /// unknown.
     pub fn of_increments(&self) -> Option<f64> {
         let unknown = if self.follows_path { None } else { Some(0.0) };
-        self.increments.map_or(unknown, |limit| self.share(limit.uncertainty))
+        self.increments.map_or(unknown, |limit| self.share(limit.uncertainty.max(self.rounding[1])))
     }
 
     /// Returns the uncertainty of the value as a share.
@@ -224,7 +226,7 @@ pub(super) fn refine(
         let next = next(&steps, found.as_ref());
         let last_mesh = ladder.meshes().is_some_and(|number| mesh + 1 >= number);
         let growth = match next {
-            Refined::Mesh if last_mesh => break (Verdict::NoFinerMesh, String::new()),
+            Refined::Mesh if last_mesh => break (Verdict::NoFinerMesh, "no finer mesh is named (--meshes)".into()),
             Refined::Mesh => ladder.growth(mesh),
             Refined::Increments => None,
         };
@@ -257,7 +259,7 @@ fn errors(steps: &[Step]) -> Option<Errors> {
 
 fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
     let Some(total) = errors.and_then(Errors::total) else { return false };
-    let follows_path = steps.last().is_some_and(|step| step.follows_path);
+    let Some(&Step { follows_path, is_seen: true, .. }) = steps.last() else { return false };
     let enough = series(steps, true, true).values.len() >= MESHES
         && (!follows_path || errors.is_some_and(|errors| errors.increments.is_some()));
     enough && total <= to
@@ -296,7 +298,7 @@ fn is_erratic(steps: &[Step]) -> bool {
 
 /// Returns what to refine: first both until each has an error, then the one with the larger error.
 fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
-    let follows_path = steps.last().is_some_and(|step| step.follows_path);
+    let [follows_path, is_seen] = steps.last().map_or([false; 2], |step| [step.follows_path, step.is_seen]);
     let number = |of_mesh, resolved| series(steps, of_mesh, resolved).values.len();
     let (meshes, increments) = (number(true, true), number(false, false));
     if !follows_path || meshes < 2 {
@@ -307,7 +309,7 @@ fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
     }
     let shares = errors.and_then(|errors| Some((errors.of_mesh()?, errors.of_increments()?)));
     match shares {
-        Some((of_mesh, of_increments)) if of_increments > of_mesh => Refined::Increments,
+        Some((of_mesh, of_increments)) if of_increments > of_mesh && is_seen => Refined::Increments,
         _ => Refined::Mesh,
     }
 }
@@ -350,6 +352,7 @@ mod tests {
                 increments: ladder.increments(level),
                 value: Some(value(h, k)),
                 is_resolved: true,
+                is_seen: true,
                 follows_path: true,
                 seconds: 1.0,
                 ..Step::default()

@@ -16,7 +16,7 @@ fn check_explains_without_solving() {
     for words in [
         "gaps along the normal n = (0, -1), slip along t = (1, 0)",
         "Elastic block on a frictional foundation",
-        "4 x 4 bilinear quadrilaterals, 25 nodes",
+        "4 x 4 elements (quadrilateral), 25 nodes",
         "left: x and y held",
         "bottom: plane at 10 µm, mu = 0.4",
         "40 displacements u",
@@ -42,9 +42,9 @@ fn check_names_nodal_volumes() {
         unbroken(&stickslip(&["check", &scene]))
     };
     let (plain, averaged) = (output("triangle", "bilinear"), output("triangle", "nodal-volume"));
-    assert!(plain.contains("linear triangles, 25 nodes") && plain.contains("too stiff"), "{plain}");
+    assert!(plain.contains("elements (triangle), 25 nodes") && plain.contains("too stiff"), "{plain}");
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
-    assert!(averaged.contains("linear triangles with nodal volumes, 25 nodes"), "{averaged}");
+    assert!(averaged.contains("elements (triangle, nodal-volume), 25 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
     // Above 0.499, cells of second order lock too.
     let (plain, averaged) = (output("triangle6", "bilinear"), output("triangle6", "nodal-volume"));
