@@ -20,7 +20,7 @@ pub use kinematics::{
     ContactBoundary, ContactNode, Counterpart, Coupled, End, Row, Term, contact_nodes, coupled_nodes, relative,
     unreachable,
 };
-pub(crate) use mortar::curves;
+pub(crate) use mortar::RoundSurface;
 pub use mortar::{GapAt, Mortar, MortarFault, MortarOptions, MortarRow, SlaveChoice, SlaveReason, Supports};
 pub use motion::{ObstacleMotion, Rates};
 pub(crate) use obstacle::Round;

@@ -13,7 +13,7 @@ mod rules;
 mod sides;
 mod source;
 
-pub(crate) use bisection::{Bisection, Curve};
+pub(crate) use bisection::{Bisection, Round};
 pub use block::block;
 pub use bodies::Bodies;
 pub use check::MeshFault;

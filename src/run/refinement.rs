@@ -6,12 +6,13 @@
 //! of its body, or of all bodies in contact with it; refinement stops by the largest error of such a part. Errors are
 //! largest at the ends of contact zones and at corners, so that most cells are there.
 //!
-//! New nodes of boundaries in contact lie on the curved surfaces of which the edges of the first mesh are chords, so
-//! that a polygon becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
+//! New nodes of the surface lie on the curved surfaces of which the edges of the first mesh are chords, so that a polygon
+//! becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
 //! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
+use std::collections::HashSet;
 use std::ops::ControlFlow;
 use std::sync::Arc;
 
@@ -20,8 +21,8 @@ use serde::Serialize;
 
 use super::{RecordedIncrement, Run, RunError};
 use crate::base::input_error::InputError;
-use crate::body::contact;
-use crate::body::mesh::{Bisection, Curve, Mesh, MeshSource};
+use crate::body::contact::RoundSurface;
+use crate::body::mesh::{Bisection, Facet, Mesh, MeshSource, sorted};
 use crate::body::model::Model;
 use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
@@ -137,7 +138,8 @@ impl Refinement {
             let before = self.meshes.len().checked_sub(meshes).map(|k| share * self.meshes[k].error);
             let last = self.meshes.last().map(|mesh| mesh.error);
             let Some(MeshErrors { mesh, .. }) = self.errors(prepare, observer)? else { return Ok(()) };
-            if mesh.error <= wanted || before.is_some_and(|before| mesh.error > before) {
+            // Where a contact is seen at last, the error grows by more.
+            if mesh.error <= wanted || before.is_some_and(|before| (before..2.0 * before).contains(&mesh.error)) {
                 return Ok(());
             }
             // The next mesh is expected to reduce the error as the last one did.
@@ -176,8 +178,8 @@ impl Refinement {
     }
 
     fn too_coarse(&self, place: &str) -> RunError {
-        let message = format!("the contact is round at {place}, and the first mesh is too coarse to become so");
-        self.refused(message, "give the first mesh shorter edges along the contact there, or cells that are less flat")
+        let message = format!("the surface is round at {place}, and the first mesh is too coarse to become so");
+        self.refused(message, "give the first mesh shorter edges there, or cells that are less flat")
     }
 
     fn other_cells(&self) -> RunError {
@@ -196,7 +198,9 @@ impl Refinement {
             let run = Run::prepared(&self.scene, prepare, &mut ())?;
             if self.bisection.is_none() {
                 let model = run.model();
-                let bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(curves(model)));
+                let facets = surface(model);
+                let round = Arc::new(RoundSurface::new(&model.mesh, facets.clone()));
+                let bisection = Bisection::new(&model.mesh).map(|bisection| bisection.follow(&facets, round));
                 self.bisection = bisection.transpose().map_err(|place| self.too_coarse(&model.units().point(place)))?;
             }
             let angles = self.bisection.iter().flat_map(Bisection::angles).collect::<Vec<f64>>();
@@ -216,13 +220,10 @@ impl MeshErrors {
         angles: &[f64],
         observer: &mut dyn Observer,
     ) -> Result<(Status, Self), RunError> {
-        let mut wanted: Vec<usize> = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
-        if wanted.is_empty() {
-            wanted.push(scene.time.increments);
-        }
+        let wanted = scene.output.increments(run.times()).into_iter().filter(|k| *k > 0).collect();
         let mut states = States { wanted, known: Vec::new(), observer };
         let status = run.history(&mut states)?.status;
-        if status == Status::Converged {
+        if status == Status::Converged && states.known.len() > 1 {
             states.known.pop_if(|last| !states.wanted.contains(&last.record.index));
         }
         let model = run.model();
@@ -275,15 +276,13 @@ impl Observer for States<'_> {
     }
 }
 
-/// Returns the curved surface of each edge of the boundaries in contact that is a chord of one. Boundaries that are glued, or
-/// whose gap is given, keep their chords.
-fn curves(model: &Model) -> impl Iterator<Item = ([usize; 2], Curve)> {
+/// Returns the facets of the bodies' surface without boundaries of first order that are glued, or whose gap is given.
+fn surface(model: &Model) -> Vec<Facet> {
     let mesh = &model.mesh;
-    let pairs = model.contact.pairs.iter().filter(|pair| !pair.glued && pair.gap.is_none());
-    let of_pairs = pairs.flat_map(|pair| mesh.boundary(&pair.slave).into_iter().chain([&pair.master]));
-    let with_obstacles = model.description().contacts.iter().filter(|contact| contact.opposite().is_none());
-    let of_obstacles = with_obstacles.filter_map(|contact| mesh.boundary(&contact.boundary));
-    of_pairs.chain(of_obstacles).flat_map(|side| contact::curves(mesh, side))
+    let pairs = model.contact.pairs.iter().filter(|pair| pair.glued || pair.gap.is_some());
+    let sides = pairs.flat_map(|pair| mesh.boundary(&pair.slave).into_iter().chain([&pair.master]));
+    let kept: HashSet<Facet> = sides.flat_map(|side| &side.facets).map(|facet| sorted(facet)).collect();
+    mesh.surface().into_iter().map(|of| of.0).filter(|f| mesh.is_quadratic(f) || !kept.contains(&sorted(f))).collect()
 }
 
 /// Returns the fewest cells with [`SHARE`] of the sum of `squares`; all if the sum is 0.

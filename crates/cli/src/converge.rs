@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::study::{MeshSize, Places, StudyError, TableQuantity};
 use stickslip::body::ModelError;
 use stickslip::body::mesh::{Mesh, MeshSource};
-use stickslip::run::report::{RunReport, WarningKind};
+use stickslip::run::report::RunReport;
 use stickslip::run::{Refinement, Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::IterationRecord;
@@ -32,7 +32,7 @@ pub use extrapolation::{Behaviour, Limit, is_singular, limit};
 pub use ladder::Ladder;
 pub use steps::{Errors, Limits, Step, StudyResult};
 
-/// The number of meshes finer than the scene's on which slip may be seen first.
+/// The number of meshes finer than the scene's on which contact or slip may be seen first.
 const FINER: usize = 2;
 
 /// A plan of a study.
@@ -243,18 +243,19 @@ fn solve(
     let failure = match report.status {
         Status::Converged => None,
         // The capacity of a joint is known by the run in which it slips.
-        Status::Slips if value.is_some() && sought.word().starts_with("slip.") => None,
+        Status::Slips if value.is_some() && ["slip", "friction_use"].contains(&sought.root()) => None,
         Status::Interrupted => Some((Verdict::Interrupted, reason)),
         _ => Some((Verdict::NotConverged, reason)),
     };
-    let warned = |is: fn(WarningKind) -> bool| report.warnings.iter().any(|warning| is(warning.kind));
     // Narrow zones of tetrahedra have no peak, and on coarse meshes all nodes may stick.
-    let finer = if follows_path && sought.word() == "friction_work" { FINER } else { 0 };
+    let may_slip = follows_path && sought.word() == "friction_work";
+    let finer = if may_slip || report.largest_force.is_none() { FINER } else { 0 };
     let may_come =
         ladder.is_coarse(mesh.saturating_sub(finer)) || (sought.is_peak() && report.largest_pressure.is_some());
     if failure.is_none() && value.is_none() && !may_come {
         return Err(StudyError::NoValue { sought: sought.name(), known: quantity::words_of(&json) });
     }
+    let rounding = value.map_or([0.0; 2], |value| sought.rounding(value, &report, &json));
     let solved = Step {
         level: mesh,
         mesh: name,
@@ -264,15 +265,14 @@ fn solve(
         dimension,
         increments: number,
         value: value.filter(|_| failure.is_none()),
-        rounding: value.map_or([0.0; 2], |value| sought.rounding(value, &report, &json)),
+        rounding,
         is_resolved: sought.is_resolved(&report),
-        is_seen: !warned(|kind| kind == WarningKind::CONTACT_UNRESOLVED),
         doubt: if sought.is_peak() && report.largest_pressure.as_ref().is_some_and(|largest| largest.singular) {
             Some(Verdict::Singular)
         } else {
-            warned(WarningKind::is_grave).then_some(Verdict::Warned)
+            report.warnings.iter().any(|warning| warning.kind.is_grave()).then_some(Verdict::Warned)
         },
-        follows_path,
+        follows_path: follows_path || rounding[1] > 0.0,
         failure,
         seconds: start.elapsed().as_secs_f64(),
     };

@@ -20,7 +20,7 @@ mod side;
 
 use std::collections::{BTreeMap, BTreeSet};
 
-pub(crate) use bulge::curves;
+pub(crate) use bulge::RoundSurface;
 pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 

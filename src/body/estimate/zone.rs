@@ -261,11 +261,14 @@ fn nodes_across(
     Some(if mirrored { 2 * zone.len() - 1 } else { zone.len() })
 }
 
-/// Returns the mean distance of contact node `i` to its neighbours, m.
+/// Returns the mean distance of contact node `i` to its neighbours, or, without any, to the nodes of its facets, m.
 fn element_size(model: &Model, graph: &ContactGraph, i: usize) -> f64 {
-    let distance = |j: &usize| norm(minus(model.contact.nodes[*j].position, model.contact.nodes[i].position));
-    let neighbours = &graph.neighbours[i];
-    neighbours.iter().map(distance).sum::<f64>() / neighbours.len() as f64
+    let (nodes, own) = (&model.mesh.nodes, model.contact.nodes[i].node);
+    let mut others: Vec<usize> = graph.neighbours[i].iter().map(|&j| model.contact.nodes[j].node).collect();
+    if others.is_empty() {
+        others.extend(model.mesh.surface_at(|k| k == own).into_iter().flat_map(|of| of.0).filter(|k| *k != own));
+    }
+    others.iter().map(|&other| norm(minus(nodes[other], nodes[own]))).sum::<f64>() / others.len() as f64
 }
 
 /// Returns the ratio of the lengths of the elements on both sides of the ends of a zone in two dimensions, where the

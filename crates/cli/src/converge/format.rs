@@ -156,8 +156,7 @@ impl Convergence {
         let short = match total {
             None => String::new(),
             Some(total) if total > self.to => format!(", not {asked}"),
-            Some(_) if last.is_seen => ", but by too few meshes".to_string(),
-            Some(_) => ", but too few nodes touch".to_string(),
+            Some(_) => ", but by too few meshes".to_string(),
         };
         match self.result.verdict {
             Verdict::Known => format!("{so_far}: {here} is fine enough for {asked}"),

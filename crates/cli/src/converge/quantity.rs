@@ -39,15 +39,17 @@ impl TableQuantity {
 
     /// Returns `true` if the contact has enough nodes across for the value to follow an order.
     pub(super) fn is_resolved(&self, report: &RunReport) -> bool {
-        match self.word() {
+        let warned = |kind| report.warnings.iter().any(|warning| warning.kind == kind);
+        let is_resolved = match self.word() {
             "peak" => {
                 let across = report.largest_pressure.as_ref().and_then(|largest| largest.nodes_across);
                 across.is_none_or(|across| across >= FINE_FOR_PEAK)
             }
-            "friction_work" => !report.warnings.iter().any(|warning| warning.kind == WarningKind::SLIP_ZONE_COARSE),
+            "friction_work" => !warned(WarningKind::SLIP_ZONE_COARSE),
             "stick_ratio" => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
             _ => true,
-        }
+        };
+        is_resolved && !warned(WarningKind::CONTACT_UNRESOLVED)
     }
 }
 

@@ -57,10 +57,8 @@ pub struct Step {
     pub value: Option<f64>,
     /// The errors of the value by rounding to whole elements, and to whole increments.
     pub rounding: [f64; 2],
-    /// `true` if the contact has enough nodes across for the quantity.
+    /// `true` if the contact has enough nodes across.
     pub is_resolved: bool,
-    /// `true` if the contact has enough nodes across for forces.
-    pub is_seen: bool,
     /// The reason why the value is never known, if the run tells one: a singular peak, or a warning.
     pub doubt: Option<Verdict>,
     /// `true` if the value depends on the increments.
@@ -223,7 +221,7 @@ pub(super) fn refine(
         if steps.len() >= limits.most_runs {
             break (Verdict::RunLimit, String::new());
         }
-        let next = next(&steps, found.as_ref());
+        let next = next(&steps, found.as_ref(), limits.to);
         let last_mesh = ladder.meshes().is_some_and(|number| mesh + 1 >= number);
         let growth = match next {
             Refined::Mesh if last_mesh => break (Verdict::NoFinerMesh, "no finer mesh is named (--meshes)".into()),
@@ -259,7 +257,7 @@ fn errors(steps: &[Step]) -> Option<Errors> {
 
 fn is_known(steps: &[Step], errors: Option<&Errors>, to: f64) -> bool {
     let Some(total) = errors.and_then(Errors::total) else { return false };
-    let Some(&Step { follows_path, is_seen: true, .. }) = steps.last() else { return false };
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let enough = series(steps, true, true).values.len() >= MESHES
         && (!follows_path || errors.is_some_and(|errors| errors.increments.is_some()));
     enough && total <= to
@@ -296,9 +294,10 @@ fn is_erratic(steps: &[Step]) -> bool {
     changes.windows(2).all(|pair| pair[1] >= ERRATIC_FALL * pair[0]) && last >= ERRATIC * values[n - 1].abs()
 }
 
-/// Returns what to refine: first both until each has an error, then the one with the larger error.
-fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
-    let [follows_path, is_seen] = steps.last().map_or([false; 2], |step| [step.follows_path, step.is_seen]);
+/// Returns what to refine: first both until each has an error, then the one with the larger error. The mesh it is, too, if
+/// both errors are small enough, but of too few meshes.
+fn next(steps: &[Step], errors: Option<&Errors>, to: f64) -> Refined {
+    let follows_path = steps.last().is_some_and(|step| step.follows_path);
     let number = |of_mesh, resolved| series(steps, of_mesh, resolved).values.len();
     let (meshes, increments) = (number(true, true), number(false, false));
     if !follows_path || meshes < 2 {
@@ -307,9 +306,9 @@ fn next(steps: &[Step], errors: Option<&Errors>) -> Refined {
     if increments < 2 {
         return Refined::Increments;
     }
-    let shares = errors.and_then(|errors| Some((errors.of_mesh()?, errors.of_increments()?)));
+    let shares = errors.and_then(|errors| Some([errors.of_mesh()?, errors.of_increments()?]));
     match shares {
-        Some((of_mesh, of_increments)) if of_increments > of_mesh && is_seen => Refined::Increments,
+        Some([of_mesh, of_increments]) if of_increments > of_mesh.max(to - of_mesh) => Refined::Increments,
         _ => Refined::Mesh,
     }
 }
@@ -352,7 +351,6 @@ mod tests {
                 increments: ladder.increments(level),
                 value: Some(value(h, k)),
                 is_resolved: true,
-                is_seen: true,
                 follows_path: true,
                 seconds: 1.0,
                 ..Step::default()

@@ -48,9 +48,12 @@ fn check_names_nodal_volumes() {
     assert!(!averaged.contains("too stiff"), "{averaged}");
     // Above 0.499, cells of second order lock too.
     let (plain, averaged) = (output("triangle6", "bilinear"), output("triangle6", "nodal-volume"));
-    assert!(plain.contains("quadratic triangles, 81 nodes") && plain.contains("may be too stiff"), "{plain}");
+    assert!(
+        plain.contains("elements (triangle of six nodes), 81 nodes") && plain.contains("may be too stiff"),
+        "{plain}"
+    );
     assert!(plain.contains("use mesh.element = \"nodal-volume\""), "{plain}");
-    assert!(averaged.contains("quadratic triangles with nodal volumes, 81 nodes"), "{averaged}");
+    assert!(averaged.contains("elements (triangle of six nodes, nodal-volume), 81 nodes"), "{averaged}");
     assert!(!averaged.contains("too stiff"), "{averaged}");
 }
 

@@ -7,10 +7,11 @@
 //! b = 2 c / (1 + √(1 - 2 κ c)),   c = ½ Σ_{i<j} N_i N_j e_ij - h (n · ν) - ½ κ h²,   e_ij = (n_j - n_i) · (x_j - x_i),
 //! ```
 //!
-//! with the curvature κ, the largest `e_ij / |x_j - x_i|²` of the facet, and the distance h of x from `Σ N_i x_i` along ν, 0 on
+//! with the largest curvature κ of the facet, and the distance h of x from `Σ N_i x_i` along ν, 0 on
 //! straight facets. It is positive out of the body where it is convex, `l² / 8 R` in the middle of an edge, and exact on circles
 //! and spheres with exact normals, along the normal. The cosine of the angle between that and ν is
-//! `(n · ν + κ h) / √(1 - 2 κ c)`.
+//! `(n · ν + κ h) / √(1 - 2 κ c)`. Where the two parts of `e_ij`, of n_i and of n_j, differ, `(N_i - N_j)` times half of their
+//! difference is added to `½ e_ij`, so that the surface is smooth across corners.
 //!
 //! On straight facets the normals are those of [`Surface`]. On curved facets of second order `e_ij` and n are those with which
 //! c is 0 in all nodes: facets follow a circle closely only if the nodes between corners are in the middle.
@@ -20,7 +21,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::facet::{Plane, Projected, Values, position};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
-use crate::body::mesh::{Boundary, Curve, Mesh};
+use crate::body::mesh::{Boundary, Facet, Mesh, Round};
 
 /// The ratio of the curvatures at the two ends of an edge above which one of them counts alone: the surface begins to turn
 /// at the other, as at the end of a flat, or has an edge there.
@@ -40,6 +41,7 @@ const FITS: usize = 8;
 const UNKNOWN: f64 = 1e-8;
 
 /// The bulges of the facets of a boundary.
+#[derive(Debug)]
 pub(super) struct Bulges {
     /// `None` for those without one.
     facets: Vec<Option<Bulge>>,
@@ -48,12 +50,13 @@ pub(super) struct Bulges {
 }
 
 /// The curved surface beyond a facet.
+#[derive(Debug)]
 struct Bulge {
     /// The facet between the corners, and its plane.
     plane: Plane,
     flat: Projected,
-    /// `e_ij` (m) of two corners, by their places in the facet.
-    turns: Vec<([usize; 2], f64)>,
+    /// The parts of `e_ij` (m) of two corners, by their places in the facet.
+    turns: Vec<([usize; 2], [f64; 2])>,
     /// κ, 1/m.
     curvature: f64,
     /// The normals in the corners of a straight facet.
@@ -124,14 +127,27 @@ impl Bulges {
                 let goes_on = [alike([i, j], parts[0]), alike([j, i], parts[1])];
                 ([i, j], limited(parts, goes_on))
             };
-            let turns: Vec<([usize; 2], f64)> =
-                pairs(corners.len()).map(turn).filter(|(_, turn)| *turn != 0.0).collect();
-            let curvature = |&([i, j], turn): &([usize; 2], f64)| {
-                let apart = minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]);
-                turn / dot(apart, apart)
-            };
-            let curvature = turns.iter().map(curvature).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+            let turns: Vec<([usize; 2], [f64; 2])> =
+                pairs(corners.len()).map(turn).filter(|(_, [a, b])| a + b != 0.0).collect();
             let plane = Plane::of(mesh, corners);
+            let along = |[i, j]: [usize; 2]| {
+                let apart = minus(mesh.nodes[corners[j]], mesh.nodes[corners[i]]);
+                plane.axes.map(|axis| dot(axis, apart))
+            };
+            let of_edge =
+                |(pair, [a, b]): &([usize; 2], [f64; 2])| (a + b) / along(*pair).map(|x| x * x).iter().sum::<f64>();
+            let most = turns.iter().map(of_edge).max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+            // The three edges of a triangle determine the curvature in all directions.
+            let of_triangle = || {
+                let mut rows = [[0.0; 4]; 3];
+                for (row, pair) in rows.iter_mut().zip(pairs(3)) {
+                    let ([u, v], turn) = (along(pair), turns.iter().find(|(own, _)| *own == pair));
+                    *row = [u * u, 2.0 * u * v, v * v, turn.map_or(0.0, |(_, [a, b])| a + b)];
+                }
+                solve(&mut rows)?;
+                Some(principal(rows.map(|row| row[3])))
+            };
+            let curvature = if corners.len() == 3 { of_triangle().unwrap_or(most) } else { most };
             let slope = normals.iter().map(|n| dot(*n, plane.normal)).sum::<f64>() / normals.len() as f64;
             Some(Bulge { flat: plane.project(mesh, corners), plane, turns, curvature, normals, slope, left: None })
         };
@@ -163,23 +179,61 @@ impl Bulges {
     }
 }
 
-/// Returns the curved surface of each edge of `boundary` that is a chord of one; the lower number of its ends is first.
-pub(crate) fn curves(mesh: &Mesh, boundary: &Boundary) -> BTreeMap<[usize; 2], Curve> {
-    let mut curves = BTreeMap::new();
-    for (facet, bulge) in boundary.facets.iter().zip(&Bulges::new(mesh, boundary).facets) {
-        let Some(bulge) = bulge.as_ref().filter(|bulge| !bulge.normals.is_empty()) else { continue };
-        let step = if mesh.is_quadratic(facet) { 2 } else { 1 };
-        let corners: Vec<usize> = facet.iter().copied().step_by(step).collect();
-        for pair in pairs(corners.len()) {
-            let turn = bulge.turns.iter().find(|(own, _)| *own == pair).map_or(0.0, |(_, turn)| *turn);
-            let [low, high] = if corners[pair[0]] < corners[pair[1]] { pair } else { [pair[1], pair[0]] };
-            let chord = minus(mesh.nodes[corners[high]], mesh.nodes[corners[low]]);
-            let normals = [bulge.normals[low], bulge.normals[high]];
-            let curve = Curve { normals, along: turn / dot(chord, chord), largest: bulge.curvature };
-            curves.entry([corners[low], corners[high]]).or_insert(curve);
+/// The surface of which facets are chords, with the facets between all nodes that are on it.
+#[derive(Debug)]
+pub(crate) struct RoundSurface {
+    mesh: Mesh,
+    facets: Vec<Facet>,
+    /// The place of the first chord of each facet.
+    first: Vec<usize>,
+    chords: Boundary,
+    bulges: Bulges,
+}
+
+impl RoundSurface {
+    /// Creates the surface of these `facets` of `mesh`.
+    pub(crate) fn new(mesh: &Mesh, facets: Vec<Facet>) -> Self {
+        let (mut chords, mut first) = (Boundary { name: String::new(), facets: Vec::new() }, Vec::new());
+        for facet in &facets {
+            first.push(chords.facets.len());
+            match facet[..] {
+                _ if !mesh.is_quadratic(facet) => chords.facets.push(facet.clone()),
+                _ if is_straight(mesh, facet) => chords.facets.push(facet.iter().step_by(2).copied().collect()),
+                [a, m, b] => chords.facets.extend([vec![a, m], vec![m, b]]),
+                [a, m, b, n, c, o] => {
+                    chords.facets.extend([vec![a, m, o], vec![m, b, n], vec![o, n, c], vec![n, o, m]]);
+                }
+                _ => {}
+            }
         }
+        let bulges = Bulges::new(mesh, &chords);
+        let mesh = Mesh { cells: Vec::new(), boundaries: Vec::new(), ..mesh.clone() };
+        RoundSurface { mesh, facets, first, chords, bulges }
     }
-    curves
+}
+
+impl Round for RoundSurface {
+    fn normal(&self, facet: usize) -> [f64; 3] {
+        unit(self.mesh.area_vector(&self.facets[facet]))
+    }
+
+    fn point(&self, facet: usize, shares: [f64; 3]) -> Option<[f64; 3]> {
+        let first = self.first[facet];
+        let count = self.first.get(facet + 1).unwrap_or(&self.chords.facets.len()) - first;
+        // The chord at a corner, or the one between the others.
+        let corner = (0..3).find(|&k| shares[k] > 0.5 || (count == 2 && shares[k] == 0.5));
+        let (k, shares) = match (count, corner) {
+            (1, _) => (0, shares),
+            (_, Some(k)) => (k, std::array::from_fn(|i| 2.0 * shares[i] - f64::from(u8::from(i == k)))),
+            (_, None) => (3, shares.map(|share| 1.0 - 2.0 * share)),
+        };
+        let (f, chord) = (first + k, &self.chords.facets[first + k]);
+        let bulge = self.bulges.facets.get(f)?.as_ref()?;
+        let shape: Values = std::array::from_fn(|i| if i < chord.len() { shares[i] } else { 0.0 });
+        let normal = bulge.normals.iter().zip(shares).fold([0.0; 3], |sum, (n, share)| plus(sum, share, *n));
+        let distance = self.bulges.at(&self.mesh, true, (f, chord), &shape).distance;
+        Some(plus(position(&self.mesh, chord, &shape), distance, unit(normal)))
+    }
 }
 
 impl Bulge {
@@ -221,13 +275,12 @@ impl Bulge {
             rows.iter_mut().enumerate().for_each(|(k, row)| row[k] += UNKNOWN);
             solve(&mut rows)?;
             let [first, twist, second] = rows.map(|row| row[3] / size);
-            let (mean, spread) = (0.5 * (first + second), (0.5 * (first - second)).hypot(twist));
-            curvature = mean + spread.copysign(mean);
+            curvature = principal([first, twist, second]);
             let turn = |pair: [usize; 2]| {
                 let squares = squares(apart(pair));
                 [first, twist, second, curvature].iter().zip(squares).map(|(k, square)| k * square).sum::<f64>()
             };
-            turns = pairs(corners.len()).map(|pair| (pair, turn(pair))).collect();
+            turns = pairs(corners.len()).map(|pair| (pair, [0.5 * turn(pair); 2])).collect();
             // The normal of a corner leans by -½ e along each edge there.
             let lean = |k: usize| {
                 let [one, other] = [1, corners.len() - 1].map(|step| [k, (k + step) % corners.len()]);
@@ -255,8 +308,11 @@ impl Bulge {
         } else {
             Under { shape: *shape, distance: 0.0, from_plane: self.flat.height(shape) }
         };
-        let chords =
-            self.turns.iter().map(|([i, j], turn)| 0.5 * under.shape[*i] * under.shape[*j] * turn).sum::<f64>();
+        let chord = |([i, j], [a, b]): &([usize; 2], [f64; 2])| {
+            let [i, j] = [under.shape[*i], under.shape[*j]];
+            0.5 * i * j * (a + b + (i - j) * (a - b))
+        };
+        let chords = self.turns.iter().map(chord).sum::<f64>();
         Some((chords - under.square(self.slope, self.curvature), under.from_plane))
     }
 }
@@ -289,19 +345,38 @@ fn pairs(count: usize) -> impl Iterator<Item = [usize; 2]> {
     (0..count).flat_map(move |i| (i + 1..count).map(move |j| [i, j]))
 }
 
-/// Adds the parts of `e_ij` that both ends of an edge contribute. They are alike where the curvature changes gradually.
+/// Returns the parts of `e_ij` that both ends of an edge contribute. They are alike where the curvature changes gradually.
 /// `goes_on` is the ratio of the curvature at each end to that beyond it: it is small where the surface begins to turn.
-fn limited([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> f64 {
+fn limited([a, b]: [f64; 2], [at_a, at_b]: [f64; 2]) -> [f64; 2] {
     let (least, most, at_least, at_most) = if a.abs() < b.abs() { (a, b, at_a, at_b) } else { (b, a, at_b, at_a) };
     if LIMIT * at_least < at_most {
-        2.0 * most
+        [most; 2]
     } else if ratio([a, b]) == 0.0 {
-        0.0
+        [0.0; 2]
     } else if LIMIT * ratio([a, b]) < 1.0 {
-        2.0 * least
+        [least; 2]
+    } else if (a - b).abs() <= IN_SPACE[1] * (a + b).abs() {
+        // The fits tell no difference.
+        [0.5 * (a + b); 2]
     } else {
-        a + b
+        [a, b]
     }
+}
+
+/// Returns the principal curvature of larger magnitude of a form with these components.
+fn principal([first, twist, second]: [f64; 3]) -> f64 {
+    let (mean, spread) = (0.5 * (first + second), (0.5 * (first - second)).hypot(twist));
+    mean + spread.copysign(mean)
+}
+
+/// Returns `true` if the nodes between the corners of a facet of second order are on straight edges.
+fn is_straight(mesh: &Mesh, facet: &[usize]) -> bool {
+    let straight = |[a, m, b]: [usize; 3]| {
+        let [a, m, b] = [a, m, b].map(|node| mesh.nodes[node]);
+        let edge = minus(b, a);
+        norm(across(minus(m, a), unit(edge))) < STRAIGHT * norm(edge)
+    };
+    mesh.bent_edges(facet).into_iter().all(straight)
 }
 
 /// Returns the ratio of the smaller of two curvatures to the larger, 0 if their signs differ, and 1 if both are 0.
@@ -353,13 +428,8 @@ pub(super) struct Surface<'a> {
 
 impl<'a> Surface<'a> {
     pub(super) fn new(mesh: &'a Mesh, boundary: &Boundary, smooth: f64) -> Self {
-        let straight = |[a, m, b]: [usize; 3]| {
-            let [a, m, b] = [a, m, b].map(|node| mesh.nodes[node]);
-            let edge = minus(b, a);
-            norm(across(minus(m, a), unit(edge))) < STRAIGHT * norm(edge)
-        };
         let corners = |facet: &Vec<usize>| match mesh.is_quadratic(facet) {
-            true if mesh.bent_edges(facet).into_iter().all(straight) => facet.iter().step_by(2).copied().collect(),
+            true if is_straight(mesh, facet) => facet.iter().step_by(2).copied().collect(),
             true => Vec::new(),
             false => facet.clone(),
         };
@@ -520,8 +590,7 @@ fn fit(about: [f64; 3], apart: &[[f64; 3]], across_surface: Option<f64>, unknown
     let normal = plus(plus(about, -a, axes[0]), -b, axes[1]);
     let length = norm(normal);
     let normal = normal.map(|c| c / length);
-    let (mean, spread) = (0.5 * (first + second), (0.5 * (first - second)).hypot(twist));
     // More than the curvature of a circle of six facets comes from scattered nodes.
-    let across = ((mean + spread.copysign(mean)) / length).clamp(-1.0, 1.0);
+    let across = (principal([first, twist, second]) / length).clamp(-1.0, 1.0);
     normal.iter().all(|c| c.is_finite()).then_some(Fit { normal, across })
 }

@@ -129,6 +129,7 @@ fn filled<const N: usize>(given: [f64; N]) -> Values {
 }
 
 /// The plane of a facet (in two dimensions a line) and the normal along which other facets are projected on it.
+#[derive(Debug)]
 pub(super) struct Plane {
     origin: [f64; 3],
     /// Unit vectors at right angles to each other and to the normal; in two dimensions the second is 0.
@@ -175,6 +176,7 @@ pub(super) fn position(mesh: &Mesh, facet: &[usize], shape: &Values) -> [f64; 3]
 }
 
 /// A facet, projected to a plane.
+#[derive(Debug)]
 pub(super) struct Projected {
     kind: Kind,
     /// The positions of its nodes in the plane, m.
