@@ -191,11 +191,8 @@ impl EstimateWatch {
                 (*force > 0.0).then(|| ContactEstimate::new(model, &self.graph, k, *time, state)).flatten()?;
             let Heaviest { force, time, state } = &self.dragged[k];
             let stick = (*force > 0.0).then(|| StickZone::new(model, &self.graph, k, *time, state));
-            // Where a whole side touches, nodes beside a singular edge slip on any mesh.
-            let slips = if estimate.singular_edge && estimate.nodes_across.is_none() { 1.0 } else { 0.0 };
-            let known = |s: StickZone| StickZone { uncertainty: s.uncertainty.max(slips * (1.0 - s.ratio)), ..s };
             let slip = self.slip[k].found().filter(|(work, _)| *work > self.negligible_work());
-            Some(ContactEstimate { stick: stick.flatten().map(known), slip_across: slip.map(|of| of.1), ..estimate })
+            Some(ContactEstimate { stick: stick.flatten(), slip_across: slip.map(|of| of.1), ..estimate })
         };
         let peak = self.peak.as_ref().and_then(|peak| peak.estimate(model, &self.graph));
         let discretisation =
