@@ -363,7 +363,8 @@ def test_a_run_that_failed_has_its_reason() -> None:
 
 def test_each_status_has_a_reason() -> None:
     text = (SCENES.parents[1] / "src/solver/history/record.rs").read_text(encoding="utf-8")
-    statuses = set(re.findall(r'Status::\w+ => "([\w-]+)"', text))
+    variants = re.findall(r"^    ([A-Z]\w+),$", text.split("pub enum Status {")[1].split("\n}")[0], re.MULTILINE)
+    statuses = {re.sub(r"(?<!^)([A-Z])", r"-\1", variant).lower() for variant in variants}
     assert len(statuses) > 10 and statuses - {"converged"} == set(REASONS)
 
 
