@@ -378,6 +378,18 @@ mod tests {
         }
     }
 
+    /// More increments do not take the place of a third mesh, and a time is not known better than to its increment.
+    #[test]
+    fn small_errors_lead_to_a_third_mesh_and_whole_increments_count() {
+        let result = study(0.02, |h, k| 1.0 + 1e-4 * h + 3e-3 * k, |_, _| ());
+        assert_eq!(result.verdict, Verdict::Known);
+        let increments: Vec<usize> = result.steps.iter().map(|step| step.increments).collect();
+        assert_eq!((increments, result.steps[3].level), (vec![4, 4, 8, 8], 2));
+        let result = study(0.02, |_, _| 1.0, |run, _| run.rounding = [0.0, 1.0 / run.increments as f64]);
+        assert_eq!((result.verdict, result.steps[result.steps.len() - 1].increments), (Verdict::Known, 64));
+        assert_eq!(result.errors.unwrap().of_increments(), Some(1.0 / 64.0));
+    }
+
     #[test]
     fn without_a_path_only_the_mesh_is_refined() {
         let result = study(0.02, |h, _| 1.0 + 0.2 * h * h, |run, _| run.follows_path = false);

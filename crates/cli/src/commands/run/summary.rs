@@ -292,7 +292,7 @@ fn print_cycle(cycle: &CycleReport, units: &UnitSystem) {
 /// Formats a share in percent, with two digits if it is small.
 fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    // What is not 0 is not told as 0.0.
+    // A share above 0 is never told as 0.0.
     let is_small = share != 0.0 && percent < 9.5;
     if is_small { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
 }
