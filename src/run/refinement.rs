@@ -8,7 +8,8 @@
 //!
 //! New nodes of the surface lie on the curved surfaces of which the edges of the first mesh are chords, so that a polygon
 //! becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
-//! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`.
+//! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`. The error of a
+//! cell into which an obstacle reaches between nodes is 1.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -22,8 +23,8 @@ use serde::Serialize;
 use super::{RecordedIncrement, Run, RunError};
 use crate::base::input_error::InputError;
 use crate::body::contact::RoundSurface;
-use crate::body::mesh::{Bisection, Facet, Mesh, MeshSource, sorted};
-use crate::body::model::Model;
+use crate::body::mesh::{Bisection, Cell, Facet, Mesh, MeshSource, sorted};
+use crate::body::model::{Model, TOLERATED_SHARE};
 use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
 use crate::solver::history::{IncrementView, Observer, Status};
@@ -232,6 +233,15 @@ impl MeshErrors {
         for increment in &states.known {
             let t = increment.record.time;
             let displacements = model.displaced(t, &increment.state.u);
+            // Where an obstacle is inside the body between nodes, a contact is not seen.
+            let between = model.between_nodes(t, &increment.state, &increment.statuses);
+            let missed = between.filter(|found| found.missed > TOLERATED_SHARE * model.pressed(t, &increment.state));
+            if let Some(facet) = missed.and_then(|found| found.untouched) {
+                let is_beside = |cell: &Cell| facet.iter().all(|node| cell.nodes.contains(node));
+                let beside = mesh.cells.iter().zip(&mut squares).filter(|(cell, _)| is_beside(cell));
+                beside.for_each(|(_, square)| *square = 1.0);
+                error = 1.0;
+            }
             let estimate = ElementEstimate::new(model, &model.thermal_factors(t), &displacements, &[]);
             let Some(own) = estimate.discretisation else { continue };
             let round = own.energies.iter().zip(angles).filter(|(_, angle)| **angle > 0.0);

@@ -96,7 +96,7 @@ impl Run<'_> {
                 moment.filter(|_| goes_on).map_or(Ok(None), |moment| self.force_error(moment, &watches.estimates));
             or_missing(&mut missing, "the error of a contact force by the mesh", error)
         });
-        estimates.tangential = watches.key.learn(of_mesh);
+        estimates.tangential = watches.key.learn(&self.model, of_mesh);
         let jumps = Some(&watches.jumps).filter(|_| goes_on);
         let jump = jumps.map_or(Ok(None), |jumps| self.force_jump(jumps, settings, &outcome.scales, observer));
         let jump = or_missing(&mut missing, "the check for jumps of contact forces", jump);

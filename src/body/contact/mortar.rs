@@ -21,9 +21,11 @@ mod side;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) use bulge::RoundSurface;
+pub(super) use bulge::SMOOTH;
 pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 
+use super::obstacle::faces_away;
 use crate::algebra::vector::{Vector, dot, minus, plus, unit};
 use crate::body::constraints::merged;
 use crate::body::fem::{bernstein, facet_weights};
@@ -158,13 +160,11 @@ impl Mortar {
         let still_of = |node: usize| still.get(&node).cloned().unwrap_or_default();
         let mut normals = normals::nodal(mesh, slave, &still)?;
         if let Some(direction) = options.direction.map(unit) {
-            for (&node, normal) in &mut normals {
-                let outwards = dot(*normal, direction) > 0.0;
-                if !outwards {
-                    return Err(MortarFault::Inwards { slave: slave.name.clone(), at: place(mesh, mesh.nodes[node]) });
-                }
-                *normal = direction;
+            let outwards = normals.values().all(|normal| dot(*normal, direction) > 0.0);
+            if let Some(node) = faces_away(mesh, slave, |_| direction).filter(|_| !outwards) {
+                return Err(MortarFault::Inwards { slave: slave.name.clone(), at: place(mesh, mesh.nodes[node]) });
             }
+            normals.values_mut().for_each(|normal| *normal = direction);
         }
         // Without supports: on a plane of symmetry, the row of the slave node has no component across the plane.
         let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::Model;
 use crate::algebra::vector::{dot, minus, norm, plus, unit};
 use crate::body::contact::{ContactBoundary, outsides};
+use crate::body::mesh::Facet;
 use crate::solver::laws::ContactStatus;
 use crate::solver::problem::State;
 
@@ -29,8 +30,10 @@ pub struct BetweenNodes {
     pub boundary: String,
     /// The position in the undeformed body, m.
     pub position: [f64; 3],
-    /// The difference between the distance there and the interpolated distance, m.
+    /// The difference between the distance there and the interpolated distance, or the depth inside the obstacle, m.
     pub missed: f64,
+    /// The nodes of the facet, if none of them touches.
+    pub untouched: Option<Facet>,
     /// The longest edge of the facet, m.
     pub size: f64,
 }
@@ -121,7 +124,7 @@ impl Model {
     ///
     /// On a facet with a closed node, the measure is the difference; on any other facet, the depth of the point inside
     /// the obstacle. Arcs that follow from the normals at the nodes are subtracted: arcs of the obstacle, which the
-    /// nodes resolve as far as possible, and arcs that straight facets cut off a curved boundary.
+    /// nodes resolve as far as possible if one of them touches, and arcs that straight facets cut off a curved boundary.
     pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.contact.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
@@ -141,6 +144,7 @@ impl Model {
                 .iter()
                 .map(|&i| (self.contact.nodes[i].node, statuses[i] != ContactStatus::Open))
                 .collect();
+            let is_met = closed.values().any(|closed| *closed);
             let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
@@ -160,7 +164,8 @@ impl Model {
                     let arc = |edge: [usize; 2]| {
                         let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
                         // A node without an obstacle in front contributes no arc.
-                        of(edge.map(|node| outsides[&node])) + of(edge.map(|node| at_nodes[&node].inward)).max(0.0)
+                        let of_obstacle = of(edge.map(|node| at_nodes[&node].inward)).max(0.0);
+                        of(edge.map(|node| outsides[&node])) + if is_met { of_obstacle } else { 0.0 }
                     };
                     // Across a facet in three dimensions, the arcs of its sides add up, each counted twice.
                     let twice = if edges.len() > 1 { 2.0 } else { 1.0 };
@@ -173,7 +178,9 @@ impl Model {
                         let position = mean(&place, &|node| self.mesh.nodes[node]);
                         let missed = missed - ARC * arcs - noise - DISTANCE_ROUNDING * norm(position);
                         if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {
-                            worst = Some(BetweenNodes { boundary: boundary.name.clone(), position, missed, size });
+                            let untouched = (!touches).then(|| facet.clone());
+                            let boundary = boundary.name.clone();
+                            worst = Some(BetweenNodes { boundary, position, missed, untouched, size });
                         }
                     }
                 }

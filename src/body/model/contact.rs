@@ -391,7 +391,8 @@ fn assigned(
         let (message, help) = match obstacles.len() {
             1 => (
                 format!("the obstacle is in front of no node of `{name}`, now or later"),
-                "move the obstacle, or give it another normal; triangles must be counterclockwise seen from the body",
+                "move the obstacle, give it another normal, or use smaller elements; triangles must be counterclockwise seen \
+                 from the body",
             ),
             _ => (
                 format!(

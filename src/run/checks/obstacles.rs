@@ -49,6 +49,13 @@ impl Check for ObstacleNotMet {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct ObstacleBetweenNodes(Option<(BetweenNodes, f64)>);
 
+impl ObstacleBetweenNodes {
+    /// Returns `true` if the obstacle in front of `boundary` is inside the body between nodes.
+    pub(super) fn is_inside(&self, boundary: &str) -> bool {
+        self.0.as_ref().is_some_and(|(found, _)| found.boundary == boundary && found.untouched.is_some())
+    }
+}
+
 impl Check for ObstacleBetweenNodes {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {
         if so_far.is_deepest {
@@ -60,12 +67,16 @@ impl Check for ObstacleBetweenNodes {
     fn warning(&self, model: &Model, so_far: &SoFar) -> Option<Warning> {
         let tolerated = TOLERATED_SHARE * so_far.indentation;
         let (found, time) = self.0.as_ref().filter(|(found, _)| found.missed > tolerated)?;
-        let BetweenNodes { boundary, position, missed, size } = found;
+        let BetweenNodes { boundary, position, missed, untouched, size } = found;
         let (place, time, beside) = (model.units().point(*position), six_digits(*time), so_far.beside(*missed));
         let [off, size] = [*missed, *size].map(|x| model.units().rounded(Quantity::Length, x, 3));
+        let what = match untouched {
+            Some(_) => format!("it is {off} inside the body at t = {time} s"),
+            None => format!("its distance at t = {time} s differs by {off} from the distances at the nodes"),
+        };
         Some(WarningKind::OBSTACLE_BETWEEN_NODES.warning(format!(
             "the obstacle in front of `{boundary}` has details that are finer than the elements: between nodes, at \
-             {place}, its distance at t = {time} s differs by {off} from the distances at the nodes, {beside}, and \
+             {place}, {what}, {beside}, and \
              pressures may be equally wrong; make the elements there, now {size} long, smaller than these details"
         )))
     }

@@ -2,6 +2,7 @@
 
 use super::displacements::NOT_SMALL;
 use super::prelude::*;
+use crate::body::contact::ContactBoundary;
 use crate::solver::laws::ContactStatus;
 
 kinds! {
@@ -16,7 +17,8 @@ kinds! {
 pub(super) fn no_contact(Solved { model, checks, .. }: &Solved<'_>) -> Option<Warning> {
     // Without a converged increment, nothing is known of the contact.
     let mut boundaries = model.contact.boundaries.iter().filter(|_| checks.so_far.increments > 0);
-    let boundary = boundaries.find(|boundary| !boundary.nodes.iter().any(|&i| checks.so_far.touched[i]))?;
+    let between = |boundary: &ContactBoundary| checks.between_nodes.is_inside(&boundary.name);
+    let boundary = boundaries.find(|b| !between(b) && !b.nodes.iter().any(|&i| checks.so_far.touched[i]))?;
     let name = &boundary.name;
     let message = match boundary.pair.map(|k| &model.contact.pairs[k].master.name) {
         None => format!(

@@ -2,14 +2,17 @@
 //! work, the stick zone.
 //! The largest pressure is in [`super::LargestPressure`].
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::estimates::Estimates;
 use super::friction_use::FrictionUse;
 use super::largest::is_as_large;
 use super::resultant::{ForceRecord, NO_RESULTANT};
-use crate::algebra::vector::dot;
-use crate::body::mesh::Geometry;
+use crate::algebra::vector::{dot, plus};
+use crate::body::fem::{bernstein, facet_weights};
+use crate::body::mesh::{Facet, Geometry};
 use crate::body::model::Model;
 use crate::solver::history::{IncrementView, Status};
 use crate::solver::influence::Weighted;
@@ -141,13 +144,35 @@ impl Moment {
         closed().any(slides) && closed().any(|i| is(i, false))
     }
 
+    /// Returns the error (N) of the force of a pair by the normals of the nodes, which are those of curved facets in the mean:
+    /// `2 Σ σ (a - Σ l_a n_a)` over the facets, with their mean pressures σ, area vectors a and weights l_a of the nodes. It is
+    /// twice that of the resultant, because the same rows are those of the gaps.
+    fn by_normals(&self, model: &Model) -> Option<f64> {
+        let (mesh, nodes) = (&model.mesh, &model.contact.nodes);
+        let boundary = model.contact.boundaries.get(self.boundary).filter(|boundary| boundary.pair.is_some())?;
+        if self.tangential || mesh.geometry.is_revolved() {
+            return None;
+        }
+        let of_node: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (nodes[i].node, i)).collect();
+        let of_facet = |facet: &Facet| {
+            let own = facet.iter().map(|node| of_node.get(node).copied()).collect::<Option<Vec<usize>>>()?;
+            let pressure = own.iter().map(|&i| self.state.p_n[i] / nodes[i].weight).sum::<f64>() / own.len() as f64;
+            let weights = bernstein(mesh, facet, &facet_weights(mesh, facet));
+            let normals = own.iter().zip(weights).map(|(&i, weight)| (weight, nodes[i].facing.normal));
+            let left = normals.fold(mesh.area_vector(facet), |left, (weight, normal)| plus(left, -weight, normal));
+            Some(pressure * dot(left, self.along))
+        };
+        Some(2.0 * mesh.boundary(&boundary.name)?.facets.iter().filter_map(of_facet).sum::<f64>().abs())
+    }
+
     /// Returns the error of the mesh of a force of this `magnitude` (N) from its `error` (N), and `true` if loads alone
     /// determine it.
-    fn judge(&self, magnitude: f64, error: Option<f64>) -> (Option<f64>, bool) {
+    fn judge(&self, model: &Model, magnitude: f64, error: Option<f64>) -> (Option<f64>, bool) {
         let State { p_n, p_t, p_o, .. } = &self.state;
         let all: f64 = p_n.iter().chain(p_t).chain(p_o).map(|p| p.abs()).sum();
         let given = error.is_some_and(|error| error <= GIVEN * all);
-        (error.map(|error| error / magnitude).filter(|share| !given && *share <= 1.0), given)
+        let least = self.by_normals(model).unwrap_or(0.0);
+        (error.map(|error| error.max(least) / magnitude).filter(|share| !given && *share <= 1.0), given)
     }
 }
 
@@ -208,12 +233,12 @@ impl KeyWatch {
     }
 
     /// Takes the errors (N) of the force and of the tangential force by the mesh. Returns that of the latter, as a share.
-    pub(crate) fn learn(&mut self, [of_force, of_tangential]: [Option<f64>; 2]) -> Option<f64> {
+    pub(crate) fn learn(&mut self, model: &Model, [of_force, of_tangential]: [Option<f64>; 2]) -> Option<f64> {
         if let Some((largest, moment)) = &mut self.largest {
-            (largest.mesh_error, largest.given) = moment.judge(largest.magnitude, of_force);
+            (largest.mesh_error, largest.given) = moment.judge(model, largest.magnitude, of_force);
         }
         let (holding, moment) = self.holding.as_mut()?;
-        let (share, given) = moment.judge(holding.magnitude, of_tangential);
+        let (share, given) = moment.judge(model, holding.magnitude, of_tangential);
         (holding.mesh_error, holding.given) = (share.filter(|_| !moment.slips_in_part()), given);
         share
     }

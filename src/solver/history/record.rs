@@ -152,7 +152,7 @@ pub struct Tally {
     pub converged: usize,
     /// The number of linear systems solved by the method.
     pub iterations: usize,
-    /// The largest errors of all judged increments; an interrupted one is not judged.
+    /// The largest errors of all judged increments; one that was interrupted, or has no solution, is not judged.
     pub kkt: KktErrors,
 }
 
@@ -162,7 +162,7 @@ impl Tally {
         self.increments += 1;
         self.converged += usize::from(record.status == Status::Converged);
         self.iterations += record.iterations;
-        if record.status != Status::Interrupted {
+        if !matches!(record.status, Status::Interrupted | Status::Slips | Status::NoEquilibrium) {
             self.kkt = self.kkt.max(&record.kkt);
         }
     }

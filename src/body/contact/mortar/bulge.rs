@@ -28,7 +28,7 @@ use crate::body::mesh::{Boundary, Facet, Mesh, Round};
 const LIMIT: f64 = 3.0;
 
 /// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
-const SMOOTH: f64 = 0.7193;
+pub(in crate::body::contact) const SMOOTH: f64 = 0.7193;
 
 /// The least cosine of the angle, 84°, between facets whose edge may be none, but too few facets.
 const MEETING: f64 = 0.1;

@@ -390,6 +390,23 @@ fn faceted(body: &Description) -> Option<String> {
     report.warnings.into_iter().find(|warning| warning.kind == WarningKind::FACETED_GAPS).map(|warning| warning.message)
 }
 
+/// Forces of coarse curved facets are off by the normals of their nodes, which are those of the facets in the mean. Errors of half to
+/// three per cent are told.
+#[test]
+fn errors_of_forces_by_mean_normals_are_told() {
+    let force = |n: usize, inner_is_slave: bool| {
+        let body = pressed(Shape::Rings, Cells::SecondOrder, [n; 2], Some((-INTERFERENCE).into()), inner_is_slave);
+        let report = whole::report(&body, Method::BN, LinearAlgebra::Whole(SparseLu::default()));
+        report.largest_force.map(|force| (force.magnitude, force.mesh_error.unwrap())).unwrap()
+    };
+    for (n, inner_is_slave) in [(3, true), (3, false), (4, true), (6, false), (8, true)] {
+        let (force, told) = force(n, inner_is_slave);
+        let true_error = (force / (exact(Shape::Rings) * RADII[1] * 2.0_f64.sqrt()) - 1.0).abs();
+        println!("{n} {inner_is_slave}: told {told:.4}, true {true_error:.4}");
+        assert!(told < 3.0 * true_error && true_error < 3.0 * told, "{n} {inner_is_slave}: {told} {true_error}");
+    }
+}
+
 /// A pin in a bore with a clearance far below the bulge of its facets: the pressure is that on second order.
 #[test]
 fn pins_with_clearance() {
