@@ -1,5 +1,17 @@
 //! The foundation of all rooms: errors of input, formulas, histories in time, units, and the memory that is left.
 
+/// Displays types as the words that serde writes.
+macro_rules! displayed_as_written {
+    ($($kind:ty),+) => {$(
+        impl std::fmt::Display for $kind {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                serde::Serialize::serialize(self, f)
+            }
+        }
+    )+};
+}
+pub(crate) use displayed_as_written;
+
 pub(crate) mod formula;
 pub(crate) mod input;
 pub(crate) mod input_error;

@@ -2,6 +2,7 @@
 
 mod assignment;
 mod description;
+mod facing;
 mod gap_table;
 mod kinematics;
 mod mortar;

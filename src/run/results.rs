@@ -150,7 +150,7 @@ impl Run<'_> {
             largest_pressure: watches.estimates.largest_pressure(model, estimates),
             largest_force: key.largest_force(),
             holding_force: key.holding_force(estimates),
-            friction_use: key.friction_use(),
+            friction_use: key.friction_use(model),
             pretension_forces: watches.pretensions,
             friction: key.friction(estimates),
             stick_zone: estimates.stick_zone().cloned(),
@@ -211,10 +211,6 @@ impl Run<'_> {
         let (data, state) = (last.data(), &last.state);
         // The exact path has no friction at nodes in two contacts.
         let problem = &self.model.problem.with_friction(data.mu.to_vec())?;
-        let critical = match last.record.status {
-            Status::NoContinuation => uniqueness::critical_friction_where_lost,
-            _ => uniqueness::critical_friction,
-        };
-        critical(problem, &data, state, scaling, &mut RefinedSolver::default())
+        uniqueness::critical_friction(problem, &data, state, scaling, &mut RefinedSolver::default())
     }
 }

@@ -47,7 +47,8 @@ struct Slider {
     drive: f64,
 }
 
-/// Computes the critical friction along the statuses of the nodes in `state`, a solution of `increment`. It takes one analysis, one
+/// Computes the critical friction along the statuses of the nodes in `state`, a solution of `increment`. Nodes on the border of
+/// their cone are about to slip, and count as slipping. It takes one analysis, one
 /// factorisation and one solve for each slipping node, and leaves `linear` with the factors of `J_0`.
 ///
 /// Returns `None` if a node can slide in two directions: there the turning of friction with the slip depends on the
@@ -77,19 +78,6 @@ pub fn critical_friction(
     scaling: Scaling,
     linear: &mut RefinedSolver,
 ) -> Result<Option<CriticalFriction>, Error> {
-    let statuses = statuses(problem, increment, state)?;
-    Ok(along(problem, increment, state, &statuses, scaling, linear)?)
-}
-
-/// Computes the critical friction at the end of a quasi-static motion. Nodes on the border of their cone are about to
-/// slip, and count as slipping.
-pub(crate) fn critical_friction_where_lost(
-    problem: &ContactProblem,
-    increment: &Increment<'_>,
-    state: &State,
-    scaling: Scaling,
-    linear: &mut RefinedSolver,
-) -> Result<Option<CriticalFriction>, Error> {
     let mut statuses = statuses(problem, increment, state)?;
     let largest = state.p_n.iter().fold(0.0_f64, |m, p| m.max(*p));
     for (i, status) in statuses.iter_mut().enumerate() {
@@ -98,18 +86,6 @@ pub(crate) fn critical_friction_where_lost(
             *status = ContactStatus::Slip;
         }
     }
-    Ok(along(problem, increment, state, &statuses, scaling, linear)?)
-}
-
-/// Computes the critical friction along these `statuses`.
-fn along(
-    problem: &ContactProblem,
-    increment: &Increment<'_>,
-    state: &State,
-    statuses: &[ContactStatus],
-    scaling: Scaling,
-    linear: &mut RefinedSolver,
-) -> Result<Option<CriticalFriction>, LinearError> {
     let layout = Layout::new(problem);
     if (0..problem.contacts()).any(|i| layout.slides_in_a_plane(i)) {
         return Ok(None);
@@ -136,7 +112,7 @@ fn along(
         sliders => match response(&tangent, sliders, linear) {
             Ok(Some(response)) => 1.0 / largest_real(&response)?,
             Ok(None) | Err(LinearError::Singular { .. } | LinearError::NotFinite) => 0.0,
-            Err(error) => return Err(error),
+            Err(error) => return Err(error.into()),
         },
     };
     Ok(Some(CriticalFriction { factor, slipping: sliders.len() }))

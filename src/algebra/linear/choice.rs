@@ -1,10 +1,9 @@
 //! The factorisations of this build.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 use super::{LinearSolver, Partial, built_in, engine};
+use crate::base::displayed_as_written;
 
 /// A direct solver of the uncondensed system.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -89,14 +88,4 @@ impl SparseCholesky {
     }
 }
 
-impl fmt::Display for SparseLu {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
-
-impl fmt::Display for SparseCholesky {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+displayed_as_written!(SparseLu, SparseCholesky);

@@ -21,11 +21,10 @@ mod side;
 use std::collections::{BTreeMap, BTreeSet};
 
 pub(crate) use bulge::RoundSurface;
-pub(super) use bulge::SMOOTH;
 pub use normals::Supports;
 pub use side::{SlaveChoice, SlaveReason};
 
-use super::obstacle::faces_away;
+use super::facing::faces_away;
 use crate::algebra::vector::{Vector, dot, minus, plus, unit};
 use crate::body::constraints::merged;
 use crate::body::fem::{bernstein, facet_weights};
@@ -164,7 +163,7 @@ impl Mortar {
             if let Some(node) = faces_away(mesh, slave, |_| direction).filter(|_| !outwards) {
                 return Err(MortarFault::Inwards { slave: slave.name.clone(), at: place(mesh, mesh.nodes[node]) });
             }
-            normals.values_mut().for_each(|normal| *normal = direction);
+            normals = normals.into_keys().map(|node| (node, direction)).collect();
         }
         // Without supports: on a plane of symmetry, the row of the slave node has no component across the plane.
         let opposite = normals::nodal(mesh, master, &BTreeMap::new())?;

@@ -1,21 +1,16 @@
 //! Rigid obstacles as seen from the nodes of a boundary. In front of a body of revolution they are bodies of revolution about
 //! the same axis, x = 0, and keep this symmetry as they move.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::description::{GapDirection, Obstacle, Place, Rotation, SKEW, Shape};
+use super::facing::faces_away;
 use super::gap_table::{GapTable, TableError};
-use super::mortar::SMOOTH;
 use super::surface::{SolidCone, Surface};
 use super::tree::Bounds;
 use super::triangles::{Chords, SurfaceError, Triangles};
 use crate::algebra::vector::{Vector, across, axis_across, cross, dot, minus, norm, plus, unit};
 use crate::body::mesh::{Boundary, Mesh};
-
-/// The sine of the largest angle at which facets at the end of a round surface may lean away from the normal there: in refined
-/// meshes of half ellipses and half balls, whose surface ends along the normal, it is up to 0.054.
-const LEAN: f64 = 0.1;
 
 /// An obstacle in front of a boundary. Since displacements are small, gaps are measured once, in the undeformed state.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,23 +55,6 @@ pub(crate) struct Round {
     pub centre: [f64; 3],
     /// The axis of a cylinder.
     pub axis: Option<[f64; 3]>,
-}
-
-/// Finds the first node of `boundary` at which a `normal` does not point out of the body on every facet there. At the end of a
-/// round surface facets may lean away from it, a little.
-pub(super) fn faces_away(mesh: &Mesh, boundary: &Boundary, normal: impl Fn(usize) -> [f64; 3]) -> Option<usize> {
-    let outwards: Vec<[f64; 3]> = boundary.facets.iter().map(|facet| unit(mesh.area_vector(facet))).collect();
-    let mut around = BTreeMap::<usize, Vec<usize>>::new();
-    for (f, facet) in boundary.facets.iter().enumerate() {
-        facet.iter().for_each(|node| around.entry(*node).or_default().push(f));
-    }
-    let cosine = |f: usize, node: usize| dot(outwards[f], normal(node));
-    let faces = around.iter().any(|(node, facets)| facets.iter().any(|f| cosine(*f, *node) > 0.0));
-    let is_round = |f: usize, node: usize| around[&node].iter().all(|g| dot(outwards[f], outwards[*g]) > SMOOTH);
-    let leans = |f: usize, node: usize| faces && cosine(f, node) > -LEAN && is_round(f, node);
-    let away = |f: usize, node: usize| cosine(f, node) <= 0.0 && !leans(f, node);
-    let of_facet = |(f, facet): (usize, &Vec<usize>)| facet.iter().copied().find(|node| away(f, *node));
-    boundary.facets.iter().enumerate().find_map(of_facet)
 }
 
 impl PlacedObstacle {

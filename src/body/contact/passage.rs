@@ -12,8 +12,8 @@ use std::collections::BTreeSet;
 
 use super::mortar::Mortar;
 use super::tree::{Bounds, Tree};
-use super::triangles::nearest_of;
-use crate::algebra::vector::{dot, minus, norm};
+use super::triangles::square_distance;
+use crate::algebra::vector::{minus, norm};
 use crate::body::fem::is_inside_cell;
 use crate::body::mesh::{Facet, Mesh};
 
@@ -151,7 +151,9 @@ impl Passages {
         for (a, own) in self.bodies.iter().enumerate() {
             for (b, other) in self.bodies.iter().enumerate().filter(|(b, _)| *b != a) {
                 if bounds[a].overlaps(&bounds[b]) {
-                    let free = |node: &usize| !self.guarded.contains(&(*node, b)) && bounds[b].holds(moved(*node));
+                    let free = |node: &usize| {
+                        !self.guarded.contains(&(*node, b)) && bounds[b].overlaps(&Bounds::of(&[moved(*node)]))
+                    };
                     let nodes: Vec<usize> = own.nodes.iter().copied().filter(free).collect();
                     look([a, b], &nodes, other, spreads[a].max(spreads[b]));
                 }
@@ -159,7 +161,8 @@ impl Passages {
         }
         for (body, nodes, other) in &self.slots {
             let around = self::bounds(&other.nodes, &moved);
-            let nodes: Vec<usize> = nodes.iter().copied().filter(|node| around.holds(moved(*node))).collect();
+            let nodes: Vec<usize> =
+                nodes.iter().copied().filter(|node| around.overlaps(&Bounds::of(&[moved(*node)]))).collect();
             look([*body; 2], &nodes, other, spread(&other.nodes, u));
         }
         deepest
@@ -194,16 +197,15 @@ fn inside(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], nodes: &[usize], other: &
     let of_cell = |&e: &usize| (e, bounds(&mesh.cells[e].nodes, at));
     let near: Vec<(usize, Bounds)> =
         other.cells.iter().map(of_cell).filter(|(_, cell)| cell.overlaps(&around)).collect();
-    let tree = Tree::new(&near.iter().map(|(_, bounds)| *bounds).collect::<Vec<_>>());
+    let tree = Tree::new(near.iter().map(|(_, bounds)| *bounds));
     let is_inside = |node: &usize| {
         let x = at(*node);
-        let mut found = false;
-        tree.around(&Bounds::of(&[x]), |k| {
-            let (cell, bounds) = (&mesh.cells[near[k].0], &near[k].1);
+        let is_in = |k: usize| {
+            let cell = &mesh.cells[near[k].0];
             let corners = || cell.nodes.iter().map(|&node| at(node)).collect::<Vec<_>>();
-            found |= !cell.nodes.contains(node) && bounds.holds(x) && is_inside_cell(cell.kind, &corners(), x);
-        });
-        found
+            !cell.nodes.contains(node) && is_inside_cell(cell.kind, &corners(), x)
+        };
+        tree.around(&Bounds::of(&[x])).any(is_in)
     };
     let found: Vec<usize> = nodes.iter().copied().filter(is_inside).collect();
     let depths = distances(mesh, at, &other.facets, &found);
@@ -222,16 +224,10 @@ fn distances(mesh: &Mesh, at: &dyn Fn(usize) -> [f64; 3], facets: &[Facet], node
     };
     let triangles: Vec<[[f64; 3]; 3]> =
         facets.iter().flat_map(|facet| mesh.pieces_of(facet)).flat_map(triangles_of).collect();
-    let tree = Tree::new(&triangles.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>());
+    let tree = Tree::new(triangles.iter().map(|corners| Bounds::of(corners)));
     let distance = |node: &usize| {
         let x = at(*node);
-        let mut least = f64::INFINITY;
-        tree.near(x, |k| {
-            let away = minus(nearest_of(&triangles[k], x).0, x);
-            least = least.min(dot(away, away));
-            dot(away, away)
-        });
-        least.sqrt()
+        tree.nearest(x, |k| square_distance(&triangles[k], x)).map_or(f64::INFINITY, |(square, _)| square.sqrt())
     };
     nodes.iter().map(distance).collect()
 }

@@ -1,5 +1,8 @@
 //! A tree of bounding boxes, to find the items near a line or a point without examining all of them.
 
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree, RTreeObject, SelectionFunction};
+
 /// The smallest and the largest coordinate along each axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Bounds {
@@ -7,44 +10,21 @@ pub(super) struct Bounds {
     pub high: [f64; 3],
 }
 
-/// A binary tree of boxes, each around its two children.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Tree {
-    /// The boxes in depth-first order: each is followed by its first child.
-    boxes: Vec<Node>,
-    /// The items, in the order of the leaves.
-    things: Vec<usize>,
-}
+/// The bounds of an item, with its number.
+type Item = GeomWithData<Rectangle<[f64; 3]>, usize>;
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Node {
-    bounds: Bounds,
-    /// The index of the box after all descendants of this one.
-    next: usize,
-    /// The index of the first item of a leaf, and the number of its items; 0 items in other boxes.
-    first: usize,
-    count: usize,
-}
+/// Items with their bounds.
+#[derive(Debug, Clone)]
+pub(super) struct Tree(RTree<Item>);
 
-/// The largest number of items of a leaf.
-const LEAF: usize = 4;
+/// The line through a point x along n: whatever is within a distance (m) of it.
+struct Along([f64; 3], [f64; 3], f64);
 
 impl Bounds {
     /// Returns the bounds of `points`.
     pub(super) fn of(points: &[[f64; 3]]) -> Self {
-        let nothing = Bounds { low: [f64::INFINITY; 3], high: [f64::NEG_INFINITY; 3] };
-        points.iter().fold(nothing, |bounds, x| bounds.with(&Bounds { low: *x, high: *x }))
-    }
-
-    fn with(self, other: &Bounds) -> Self {
-        Bounds {
-            low: [0, 1, 2].map(|c| self.low[c].min(other.low[c])),
-            high: [0, 1, 2].map(|c| self.high[c].max(other.high[c])),
-        }
-    }
-
-    fn centre(&self, c: usize) -> f64 {
-        0.5 * (self.low[c] + self.high[c])
+        let bounds = AABB::from_points(points);
+        Bounds { low: bounds.lower(), high: bounds.upper() }
     }
 
     /// Returns the longest side.
@@ -57,21 +37,18 @@ impl Bounds {
         Bounds { low: self.low.map(|c| c - by), high: self.high.map(|c| c + by) }
     }
 
-    /// Returns `true` if the bounds contain `x`.
-    pub(super) fn holds(&self, x: [f64; 3]) -> bool {
-        (0..3).all(|c| self.low[c] <= x[c] && x[c] <= self.high[c])
-    }
-
     /// Returns `true` if the two have a common point.
     pub(super) fn overlaps(&self, other: &Bounds) -> bool {
         (0..3).all(|c| self.low[c] <= other.high[c] && other.low[c] <= self.high[c])
     }
+}
 
-    /// Returns `true` if the line through `x` along `n` comes within `slack`.
-    fn meets(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> bool {
+impl SelectionFunction<Item> for Along {
+    fn should_unpack_parent(&self, envelope: &AABB<[f64; 3]>) -> bool {
+        let Along(x, n, slack) = self;
         let (mut from, mut to) = (f64::NEG_INFINITY, f64::INFINITY);
         for c in 0..3 {
-            let (low, high) = (self.low[c] - slack - x[c], self.high[c] + slack - x[c]);
+            let (low, high) = (envelope.lower()[c] - slack - x[c], envelope.upper()[c] + slack - x[c]);
             if n[c] == 0.0 {
                 if low > 0.0 || high < 0.0 {
                     return false;
@@ -84,89 +61,49 @@ impl Bounds {
         from <= to
     }
 
-    /// Returns the square of the distance from `x`.
-    fn square_distance(&self, x: [f64; 3]) -> f64 {
-        (0..3).map(|c| (self.low[c] - x[c]).max(x[c] - self.high[c]).max(0.0).powi(2)).sum()
+    fn should_unpack_leaf(&self, leaf: &Item) -> bool {
+        self.should_unpack_parent(&leaf.envelope())
     }
 }
 
 impl Tree {
     /// Creates the tree of items with these bounds.
-    pub(super) fn new(bounds: &[Bounds]) -> Self {
-        let mut tree = Tree { boxes: Vec::new(), things: (0..bounds.len()).collect() };
-        tree.build(bounds, 0, bounds.len());
-        tree
+    pub(super) fn new(bounds: impl IntoIterator<Item = Bounds>) -> Self {
+        Self::of_boxes(bounds.into_iter().enumerate().map(|(k, bounds)| (bounds, k)))
     }
 
     /// Creates the tree of items of which each has one or more boxes, with the items' numbers.
-    pub(super) fn of_boxes(boxes: &[(Bounds, usize)]) -> Self {
-        let mut tree = Tree::new(&boxes.iter().map(|part| part.0).collect::<Vec<_>>());
-        tree.things.iter_mut().for_each(|k| *k = boxes[*k].1);
-        tree
+    pub(super) fn of_boxes(boxes: impl Iterator<Item = (Bounds, usize)>) -> Self {
+        let item = |(bounds, k): (Bounds, usize)| Item::new(Rectangle::from_corners(bounds.low, bounds.high), k);
+        let is_finite = |(Bounds { low, high }, _): &(Bounds, usize)| low.iter().chain(high).all(|c| c.is_finite());
+        Tree(RTree::bulk_load(boxes.filter(is_finite).map(item).collect()))
     }
 
-    /// Builds the boxes of the items from `first` to `end`. Each box splits its items into halves of equal number,
-    /// which limits the depth of the tree.
-    fn build(&mut self, all: &[Bounds], first: usize, end: usize) {
-        let things = &mut self.things[first..end];
-        let bounds = things.iter().fold(Bounds::of(&[]), |bounds, &k| bounds.with(&all[k]));
-        let (index, leaf) = (self.boxes.len(), end - first <= LEAF);
-        self.boxes.push(Node { bounds, next: 0, first, count: if leaf { end - first } else { 0 } });
-        if !leaf {
-            let spread = Bounds::of(&things.iter().map(|&k| [0, 1, 2].map(|c| all[k].centre(c))).collect::<Vec<_>>());
-            let width = |c: usize| spread.high[c] - spread.low[c];
-            let longest = (1..3).fold(0, |best, c| if width(c) > width(best) { c } else { best });
-            let half = things.len() / 2;
-            things.select_nth_unstable_by(half, |&a, &b| all[a].centre(longest).total_cmp(&all[b].centre(longest)));
-            self.build(all, first, first + half);
-            self.build(all, first + half, end);
+    /// Returns the items whose bounds are within `slack` of the line through `x` along `n`.
+    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> impl Iterator<Item = usize> {
+        self.0.locate_with_selection_function(Along(x, n, slack)).map(|item| item.data)
+    }
+
+    /// Returns the items whose bounds overlap `others`.
+    pub(super) fn around(&self, others: &Bounds) -> impl Iterator<Item = usize> {
+        self.0.locate_in_envelope_intersecting(AABB::from_corners(others.low, others.high)).map(|item| item.data)
+    }
+
+    /// Returns the item nearest to `x`, with the square of its distance, which `square` computes; the first of equally near ones.
+    pub(super) fn nearest(&self, x: [f64; 3], square: impl Fn(usize) -> f64) -> Option<(f64, usize)> {
+        if x.iter().any(|c| c.is_nan()) {
+            return None;
         }
-        self.boxes[index].next = self.boxes.len();
-    }
-
-    fn things(&self, node: &Node) -> impl Iterator<Item = usize> {
-        self.things[node.first..node.first + node.count].iter().copied()
-    }
-
-    /// Visits the items whose bounds are within `slack` of the line through `x` along `n`, and a few others nearby.
-    pub(super) fn along(&self, x: [f64; 3], n: [f64; 3], slack: f64, each: impl FnMut(usize)) {
-        self.within(|bounds| bounds.meets(x, n, slack), each);
-    }
-
-    /// Visits the items whose bounds overlap `others`, and a few others nearby.
-    pub(super) fn around(&self, others: &Bounds, each: impl FnMut(usize)) {
-        self.within(|bounds| bounds.overlaps(others), each);
-    }
-
-    /// Visits the items of the leaves for which `wanted` holds, as well as for all enclosing boxes.
-    fn within(&self, wanted: impl Fn(&Bounds) -> bool, mut each: impl FnMut(usize)) {
-        let mut at = 0;
-        while let Some(node) = self.boxes.get(at) {
-            if wanted(&node.bounds) {
-                self.things(node).for_each(&mut each);
-                at += 1;
-            } else {
-                at = node.next;
+        let mut nearest = None::<(f64, usize)>;
+        for (item, least) in self.0.nearest_neighbor_iter_with_distance_2(x) {
+            // No item is nearer than its bounds.
+            if nearest.is_some_and(|(square, _)| square < least) {
+                break;
             }
+            let of = (square(item.data), item.data);
+            nearest = nearest.filter(|nearest| *nearest <= of).or(Some(of));
         }
-    }
-
-    /// Visits the items around `x` until no other can be nearer. `each` returns the square of the distance of an item.
-    pub(super) fn near(&self, x: [f64; 3], mut each: impl FnMut(usize) -> f64) {
-        let mut nearest = f64::INFINITY;
-        let mut open = vec![(0.0, 0)];
-        while let Some((distance, at)) = open.pop() {
-            let Some(node) = self.boxes.get(at).filter(|_| distance <= nearest) else { continue };
-            for thing in self.things(node) {
-                nearest = nearest.min(each(thing));
-            }
-            if node.count == 0 {
-                let [one, other] = [at + 1, self.boxes.get(at + 1).map_or(at, |child| child.next)]
-                    .map(|child| (self.boxes[child].bounds.square_distance(x), child));
-                // The nearer box is visited first.
-                open.extend(if one.0 < other.0 { [other, one] } else { [one, other] });
-            }
-        }
+        nearest
     }
 }
 
@@ -179,22 +116,21 @@ mod tests {
     fn what_is_near_is_found_and_little_else() {
         let n = 1000;
         let at = |k: usize| [k as f64, (k % 7) as f64, (k % 3) as f64];
-        let bounds: Vec<Bounds> = (0..n).map(|k| Bounds::of(&[at(k), at(k).map(|c| c + 0.5)])).collect();
-        let tree = Tree::new(&bounds);
-        assert_eq!(Tree::new(&[]).things.len(), 0);
+        let tree = Tree::new((0..n).map(|k| Bounds::of(&[at(k), at(k).map(|c| c + 0.5)])));
+        assert_eq!(Tree::new([]).nearest([0.0; 3], |_| 0.0), None);
+        assert_eq!(tree.nearest([f64::NAN; 3], |_| 0.0), None);
         for k in [0, 17, 500, 999] {
-            let mut found = Vec::new();
-            tree.along([at(k)[0] + 0.2, 0.0, at(k)[2] + 0.1], [0.0, 1.0, 0.0], 0.0, |thing| found.push(thing));
-            assert!(found.contains(&k) && found.len() < 3 * LEAF, "{found:?}");
-            let (mut looked, mut best) = (0, (f64::INFINITY, n));
+            let found: Vec<usize> = tree.along([at(k)[0] + 0.2, 0.0, at(k)[2] + 0.1], [0.0, 1.0, 0.0], 0.0).collect();
+            assert_eq!(found, [k]);
+            assert_eq!(tree.around(&Bounds::of(&[at(k), at(k)])).collect::<Vec<_>>(), [k]);
+            let looked = std::cell::Cell::new(0);
             let x = at(k).map(|c| c + 0.6);
-            tree.near(x, |thing| {
-                looked += 1;
-                let d = bounds[thing].square_distance(x);
-                best = if d < best.0 { (d, thing) } else { best };
-                d
-            });
-            assert!(best.1 == k && looked < 20 * LEAF, "{best:?} {looked}");
+            let square = |thing: usize| {
+                looked.set(looked.get() + 1);
+                (0..3).map(|c| (at(thing)[c] - x[c]).max(x[c] - at(thing)[c] - 0.5).max(0.0).powi(2)).sum()
+            };
+            assert_eq!(tree.nearest(x, square).map(|of| of.1), Some(k));
+            assert!(looked.get() < 80, "{}", looked.get());
         }
     }
 }

@@ -16,7 +16,7 @@ use super::tree::{Bounds, Tree};
 use crate::algebra::vector::{cross, dot, minus, norm, plus, unit};
 
 /// A surface of triangles.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) struct Triangles {
     corners: Vec<[[f64; 3]; 3]>,
     /// Unit normals out of the obstacle.
@@ -104,6 +104,12 @@ fn from_least(corners: &[[f64; 3]; 3]) -> [[u64; 3]; 3] {
     keys
 }
 
+impl PartialEq for Triangles {
+    fn eq(&self, other: &Self) -> bool {
+        self.corners == other.corners
+    }
+}
+
 impl Triangles {
     /// Reads the STL file or the Gmsh file at `path`, whose unit is `scale` (m).
     pub(super) fn read(path: &Path, scale: f64) -> Result<Self, SurfaceError> {
@@ -143,7 +149,7 @@ impl Triangles {
         let mut surface = Triangles {
             sides: Vec::new(),
             edges: Vec::new(),
-            tree: Tree::of_boxes(&boxes),
+            tree: Tree::of_boxes(boxes.into_iter()),
             extent,
             corners,
             normals,
@@ -205,11 +211,11 @@ impl Triangles {
     fn entry_within(&self, x: [f64; 3], n: [f64; 3], slack: f64) -> Option<Entry> {
         let (mut behind, mut ahead): (Option<Entry>, Option<Entry>) = (None, None);
         let mut left = f64::NEG_INFINITY;
-        self.tree.along(x, n, slack, |triangle| {
+        for triangle in self.tree.along(x, n, slack) {
             let (normal, corners) = (self.normals[triangle], self.corners[triangle]);
             let facing = dot(normal, n);
             if facing.abs() <= SINGLE {
-                return;
+                continue;
             }
             let distance = dot(minus(corners[0], x), normal) / facing;
             let foot = plus(x, distance, n);
@@ -219,7 +225,7 @@ impl Triangles {
                 inwards >= 0.0 || inwards * inwards <= slack * slack * dot(side, side)
             };
             if !(0..3).all(within) {
-                return;
+                continue;
             }
             let entry = Entry { distance, triangle };
             match (facing < 0.0, distance <= 0.0) {
@@ -228,24 +234,15 @@ impl Triangles {
                 (false, true) => left = left.max(distance),
                 _ => {}
             }
-        });
+        }
         behind.filter(|entry| entry.distance >= left).or(ahead)
     }
 
     /// Returns the distance (m) from `x` to the nearest point, negative inside, and the unit vector of its direction,
     /// into the obstacle; `None` if `x` is beyond the rim.
     pub(super) fn nearest(&self, x: [f64; 3]) -> Option<(f64, [f64; 3])> {
-        let mut best = (f64::INFINITY, 0, x, TriangleFeature::Face);
-        self.tree.near(x, |triangle| {
-            let (foot, part) = nearest_of(&self.corners[triangle], x);
-            let away = minus(foot, x);
-            let square = dot(away, away);
-            if square < best.0 {
-                best = (square, triangle, foot, part);
-            }
-            square
-        });
-        let (_, triangle, foot, part) = best;
+        let (_, triangle) = self.tree.nearest(x, |k| square_distance(&self.corners[k], x))?;
+        let (foot, part) = nearest_of(&self.corners[triangle], x);
         let to = minus(foot, x);
         let feature = match part {
             TriangleFeature::Face => {
@@ -331,9 +328,15 @@ impl Triangles {
     }
 }
 
+/// Returns the square of the distance of `x` from a triangle.
+pub(super) fn square_distance(triangle: &[[f64; 3]; 3], x: [f64; 3]) -> f64 {
+    let away = minus(nearest_of(triangle, x).0, x);
+    dot(away, away)
+}
+
 /// Returns the point of a triangle that is nearest to `x`, and the face, side or corner that contains it (Ericson,
 /// Real-Time Collision Detection, 5.1.5). If two corners coincide, the triangle is a side.
-pub(super) fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], TriangleFeature) {
+fn nearest_of(&[a, b, c]: &[[f64; 3]; 3], x: [f64; 3]) -> ([f64; 3], TriangleFeature) {
     let (ab, ac) = (minus(b, a), minus(c, a));
     let [from_a, from_b, from_c] = [a, b, c].map(|corner| minus(x, corner));
     let (d1, d2) = (dot(ab, from_a), dot(ac, from_a));
@@ -438,10 +441,7 @@ mod tests {
         let rim = |k: usize| [at(k).1, at(k).0, 0.1 * at(3 * k).1];
         let fan = Triangles::new((0..n).map(|k| [[0.0, 0.0, 0.5], rim(k), rim(k + 1)]).collect()).unwrap();
         for x in [[0.31, 0.44, 0.0], [-0.6, 0.6, 0.0], [0.2, -0.71, 0.3]] {
-            let mut visited = HashSet::new();
-            fan.tree.along(x, [0.0, 0.0, -1.0], 0.0, |t| {
-                visited.insert(t);
-            });
+            let visited: HashSet<usize> = fan.tree.along(x, [0.0, 0.0, -1.0], 0.0).collect();
             assert!(visited.len() < n / 20, "{} of {n}", visited.len());
             let found = fan.entry(x, [0.0, 0.0, -1.0]).unwrap();
             assert!(visited.contains(&found.triangle));

@@ -1,6 +1,6 @@
 //! Explains why a run did not converge: the violated law, its place, and the cure, by the keys of a scene.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::algebra::vector::dot;
 use crate::base::units::{Quantity, UnitSystem, six_digits};
@@ -35,7 +35,7 @@ pub struct JointSlip {
     pub motion: String,
     /// The latest time at which equilibrium was found, and a time at which the joint slips, s.
     pub between: [f64; 2],
-    /// The loads that change between these times.
+    /// The loads that change between these times, with their factors.
     pub factors: Vec<ChangingLoad>,
     /// The share of the friction against this motion that the loads use at the first of these times.
     pub friction_used: f64,
@@ -45,13 +45,13 @@ pub struct JointSlip {
     pub moment: Option<f64>,
 }
 
-/// A load that changes where a joint slips.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, schemars::JsonSchema)]
+/// A load that changes where nodes or a joint slip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
 #[non_exhaustive]
 pub struct ChangingLoad {
     /// The number of the load, from 0.
     pub load: usize,
-    /// Its factors at the times of [`JointSlip::between`].
+    /// Its factors at two times: those of [`JointSlip::between`], or when some nodes slip, and all.
     pub between: [f64; 2],
 }
 
@@ -77,6 +77,22 @@ impl Explanation {
     }
 }
 
+impl ChangingLoad {
+    /// Returns the loads with different factors at the times `ends` (s), with their factors at `times` (s).
+    pub(super) fn all(model: &Model, times: [f64; 2], ends: [f64; 2]) -> Vec<Self> {
+        let cases = model.loading.cases().iter().take(model.description().loads.len()).enumerate();
+        let changing = cases.filter(|(_, case)| case.factor(ends[0]) != case.factor(ends[1]));
+        changing.map(|(load, case)| ChangingLoad { load, between: times.map(|t| case.factor(t)) }).collect()
+    }
+
+    /// Returns the factors of `all` at the first or second time in brackets; empty without loads.
+    pub fn in_words(all: &[Self], k: usize) -> String {
+        let point = |changing: &Self| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
+        let all = all.iter().map(point).collect::<Vec<_>>().join(", ");
+        if all.is_empty() { all } else { format!(" ({all})") }
+    }
+}
+
 impl JointSlip {
     fn of(model: &Model, outcome: &HistoryOutcome) -> Option<Self> {
         let (reached, slip) = (outcome.reached, outcome.slip.as_ref()?);
@@ -87,14 +103,11 @@ impl JointSlip {
         let mut force = vec![0.0; u.len()];
         model.loading.force(reached, &mut force);
         let against = |wanted| motion.extent().filter(|(quantity, _)| *quantity == wanted).map(|(_, size)| most / size);
-        let factors = model.loading.cases().iter().take(model.description().loads.len()).enumerate();
+        let between = [reached, slip.by];
         Some(JointSlip {
             motion: motion.sliding(&model.units()),
-            between: [reached, slip.by],
-            factors: factors
-                .map(|(load, case)| ChangingLoad { load, between: [reached, slip.by].map(|t| case.factor(t)) })
-                .filter(|changing| changing.between[0] != changing.between[1])
-                .collect(),
+            between,
+            factors: ChangingLoad::all(model, between, between),
             friction_used: dot(&u, &force) / most,
             force: against(Quantity::Force),
             moment: against(Quantity::Moment),
@@ -105,12 +118,7 @@ impl JointSlip {
     fn in_words(&self, units: &UnitSystem, exact_path: bool) -> String {
         // Six digits tell times apart that are a part of an increment apart.
         let [from, by] = self.between.map(six_digits);
-        let at = |k: usize| {
-            let point = |changing: &ChangingLoad| format!("load[{}] at {:.4}", changing.load, changing.between[k]);
-            let factors = self.factors.iter().map(point);
-            let all = factors.collect::<Vec<_>>().join(", ");
-            if all.is_empty() { all } else { format!(" ({all})") }
-        };
+        let at = |k: usize| ChangingLoad::in_words(&self.factors, k);
         let (found, there) = if exact_path {
             (format!("The quasi-static motion ends at t = {from} s{}", at(0)), "there")
         } else {

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::explain::ChangingLoad;
 use super::largest::is_as_large;
 use super::resultant::{ContactSlip, ForceRecord};
+use crate::body::model::Model;
 
 /// The friction of a contact over a history.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, schemars::JsonSchema)]
@@ -22,14 +24,30 @@ pub struct FrictionUse {
     pub slips_from: Option<f64>,
     /// The end of the first increment after which all nodes that touch slip, s.
     pub slips_wholly_from: Option<f64>,
+    /// The loads that change there, with their factors at both times; if not all slip, twice that at the first.
+    #[serde(default)]
+    pub factors: Vec<ChangingLoad>,
     /// The slip at the end.
     pub end: ContactSlip,
 }
+
+/// The time before slip at which a load that changes has another factor, as a share of the time since the beginning.
+const BEFORE: f64 = 1e-6;
 
 /// A friction limit below this share of the largest one counts as none, as in a fit that is assembled without friction.
 const NO_FRICTION: f64 = 0.01;
 
 impl FrictionUse {
+    /// Returns it with the loads that change just before some nodes slip, or all.
+    pub(super) fn with_factors(&self, model: &Model) -> Self {
+        let times = self.slips_from.map(|first| [first, self.slips_wholly_from.unwrap_or(first)]);
+        let at = |times: [f64; 2]| times.map(|t| ChangingLoad::all(model, times, [t, (1.0 - BEFORE) * t])).concat();
+        let mut factors = times.map_or(Vec::new(), at);
+        factors.sort_by_key(|changing| changing.load);
+        factors.dedup();
+        FrictionUse { factors, ..self.clone() }
+    }
+
     /// Takes the `forces` after an increment over into the records `so_far`.
     pub(super) fn observe(so_far: &mut Vec<Self>, forces: &[ForceRecord]) {
         for ForceRecord { time, resultant, slip_state, friction_used, friction_limit: limit, .. } in forces {
@@ -41,6 +59,7 @@ impl FrictionUse {
                 time: *time,
                 slips_from: None,
                 slips_wholly_from: None,
+                factors: Vec::new(),
                 end: slip,
             };
             let known = so_far.iter().position(|of| of.boundary == resultant.boundary);

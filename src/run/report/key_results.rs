@@ -255,8 +255,8 @@ impl KeyWatch {
     }
 
     /// Returns the friction of each contact that is in use, where there is friction.
-    pub(in crate::run) fn friction_use(&self) -> Vec<FrictionUse> {
-        self.friction_use.clone()
+    pub(in crate::run) fn friction_use(&self, model: &Model) -> Vec<FrictionUse> {
+        self.friction_use.iter().map(|used| used.with_factors(model)).collect()
     }
 
     /// Returns the friction work with its errors; `None` if nothing slipped.

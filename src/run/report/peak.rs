@@ -42,6 +42,10 @@ pub struct LargestPressure {
 /// The typical error of a peak as a share of the largest one, the median of measured peaks.
 const OF_LARGEST: f64 = 0.25;
 
+/// The typical error of the force of a mesh as a share of the square of its error in the energy norm, as far as the contact is
+/// resolved better than the body.
+const OF_SQUARE: f64 = 0.5;
+
 /// A pressure at the rim of a surface in contact that exceeds the mean with its neighbours by a larger share may be singular.
 const STEEP: f64 = 0.01;
 
@@ -127,7 +131,7 @@ impl Peak {
             _ if surface.singular_edge || across.is_some_and(|n| n <= NOTHING) => return None,
             // The scatter is larger than the envelope, and an error itself: the peak is that of a node which scatters up.
             Some(largest) if across.is_some_and(|n| largest > largest_error(model, graph, self.at[1], n)) => largest,
-            Some(largest) => OF_LARGEST * largest,
+            Some(largest) => (OF_LARGEST * largest).max(OF_SQUARE * discretisation.map_or(0.0, |share| share * share)),
             None if graph.is_at_the_rim(self.at[1]) && surface.scatter > STEEP => return None,
             None if self.slides_at_the_rim(model, graph) => return None,
             None => discretisation?.powi(2).max(surface.scatter),

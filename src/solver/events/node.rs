@@ -1,10 +1,9 @@
 //! The status of a contact node, and the statuses that may follow.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 use crate::algebra::sparse::DoubleDouble;
+use crate::base::displayed_as_written;
 
 /// The status of a contact node while the load rates are constant. The rates then obey one linear row for each force
 /// of the node.
@@ -51,11 +50,7 @@ impl NodeStatus {
     }
 }
 
-impl fmt::Display for NodeStatus {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+displayed_as_written!(NodeStatus);
 
 /// The statuses that are admissible for a node when the rates change: a set of complementary rates.
 #[derive(Debug, Clone, Copy, PartialEq)]

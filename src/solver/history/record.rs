@@ -1,13 +1,13 @@
 //! The records and verdicts of increments.
 
 use crate::algebra::linear::{LinearError, Statistics};
+use crate::base::displayed_as_written;
 use crate::solver::checkpoint::Checkpoint;
 use crate::solver::events::Event;
 use crate::solver::laws::{ContactStatus, KktErrors};
 use crate::solver::newton::{IterationRecord, LinearSystem, MethodResult, Termination};
 use crate::solver::problem::{Increment, State};
 use serde::{Deserialize, Serialize};
-use std::fmt;
 use std::ops::ControlFlow;
 
 /// The verdict on an increment and on a run.
@@ -47,11 +47,7 @@ pub enum Status {
     Unsupported,
 }
 
-impl fmt::Display for Status {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+displayed_as_written!(Status);
 
 /// The number of contact nodes in each status.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, schemars::JsonSchema)]

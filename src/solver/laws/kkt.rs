@@ -5,13 +5,12 @@
 //! a unit. No number elsewhere, however large, makes a violation small: not that of a row that no law compares it with,
 //! not that of a part of the body that neither elasticity nor contact connects, not that of an earlier increment.
 
-use std::fmt;
-
 use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
 use crate::algebra::linear::LinearError;
 use crate::algebra::vector::dot;
+use crate::base::displayed_as_written;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_length};
 use crate::solver::problem::{ContactProblem, Increment, NaturalUnits, ProblemError, State};
 
@@ -195,11 +194,7 @@ impl Law {
         [Law::Equilibrium, Law::Penetration, Law::Tension, Law::Complementarity, Law::Cone, Law::Dissipation];
 }
 
-impl fmt::Display for Law {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.serialize(f)
-    }
-}
+displayed_as_written!(Law);
 
 /// A state, with all that its errors are relative to.
 pub(crate) struct Judgement<'a> {

@@ -108,6 +108,11 @@ fn a_good_run_fills_its_folder() {
     assert_eq!((&row[12], &used["end"]), (&slip.to_string(), &Value::from(slip)));
     let largest = forces.iter().map(|row| value(row, 13)).fold(0.0, f64::max);
     assert!((number(&used["largest"]) - largest).abs() < 1e-12);
+    // Both loads are proportional to the time up to 1 s, when all nodes slip, and the second falls from there on.
+    let times = ["slips_from", "slips_wholly_from"].map(|key| number(&used[key]));
+    assert!(times[0] <= times[1] && times[1] <= 1.0, "{times:?}");
+    let factors = |load: usize| serde_json::json!({ "load": load, "between": times });
+    assert_eq!(used["factors"], serde_json::json!([factors(0), factors(1)]));
     let end = &written["boundaries"][0];
     assert_eq!((number(&end["force"][0]), number(&end["moment"][0])), (value(&forces[3], 3), value(&forces[3], 5)));
     assert_eq!(written["forces"][3]["force"], end["force"]);

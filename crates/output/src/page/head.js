@@ -32,10 +32,15 @@ const uses = [...(report.friction_use || [])].sort((a, b) => b.largest - a.large
 // Nodes that slip without a hundredth of the friction in use, as radially under the head of a bolt, are no verdict.
 const [used, ...further] = uses.filter(({ largest }) => largest >= 0.01);
 const AT_THE_END = { open: "nothing touches", stick: "it sticks", partial: "it slips in part", whole: "it slips as a whole" };
-function slipOf({ slips_from: some, slips_wholly_from: all, end }) {
+function slipOf({ slips_from: some, slips_wholly_from: all, factors, end }) {
+  // The time, with the loads that change there.
+  const from = (time, k) => {
+    const loads = (factors || []).map(({ load, between }) => `load[${load}] at ${plain(between[k])}`);
+    return `from t = ${plain(time)} s${loads.length ? ` (${loads.join(", ")})` : ""}`;
+  };
   if (some == null) return "no node slips";
-  if (all == null) return `some nodes slip from t = ${plain(some)} s${report.status === "slips" ? "" : ", never all"}`;
-  return `${some < all ? `some nodes slip from t = ${plain(some)} s, all` : "all nodes slip"} from t = ${plain(all)} s; at the end ${AT_THE_END[end]}`;
+  if (all == null) return `some nodes slip ${from(some, 0)}${report.status === "slips" ? "" : ", never all"}`;
+  return `${some < all ? `some nodes slip ${from(some, 0)}, all` : "all nodes slip"} ${from(all, 1)}; at the end ${AT_THE_END[end]}`;
 }
 const slips = used ? ` On \`${used.boundary}\` ${slipOf(used)}.` : "";
 const others = further.length ? ` ${further.length} more ${further.length > 1 ? "contacts" : "contact"} below.` : "";

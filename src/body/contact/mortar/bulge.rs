@@ -21,14 +21,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::facet::{Plane, Projected, Values, position};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{across, cross, dot, minus, norm, plus, unit};
+use crate::body::contact::facing::SMOOTH;
 use crate::body::mesh::{Boundary, Facet, Mesh, Round};
 
 /// The ratio of the curvatures at the two ends of an edge above which one of them counts alone: the surface begins to turn
 /// at the other, as at the end of a flat, or has an edge there.
 const LIMIT: f64 = 3.0;
-
-/// The least cosine of the angle, 44°, between facets of one smooth surface; beyond it is an edge of the body.
-pub(in crate::body::contact) const SMOOTH: f64 = 0.7193;
 
 /// The least cosine of the angle, 84°, between facets whose edge may be none, but too few facets.
 const MEETING: f64 = 0.1;

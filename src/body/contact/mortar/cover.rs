@@ -8,7 +8,7 @@ use super::facet::{MOST, Plane, Point, Rules, Segment, Side, Values, position, s
 use super::{GapAt, MortarFault, place};
 use crate::algebra::vector::{cross, dot, minus, unit};
 use crate::body::contact::tree::{Bounds, Tree};
-use crate::body::contact::triangles::nearest_of;
+use crate::body::contact::triangles::square_distance;
 use crate::body::fem::bernstein;
 use crate::body::mesh::{Boundary, Facet, Mesh};
 
@@ -341,28 +341,23 @@ const SHARE_OF_SIZE: f64 = 0.1;
 
 /// The facets of the master, in a tree.
 struct Masters {
-    bounds: Vec<Bounds>,
     normals: Vec<[f64; 3]>,
     tree: Tree,
 }
 
 impl Masters {
     pub(super) fn new(mesh: &Mesh, master: &Boundary) -> Self {
-        let bounds: Vec<Bounds> = master.facets.iter().map(|facet| Bounds::of(&mesh.points(facet))).collect();
+        let bounds = master.facets.iter().map(|facet| Bounds::of(&mesh.points(facet)));
         let normals = master.facets.iter().map(|facet| unit(mesh.area_vector(facet))).collect();
-        Masters { tree: Tree::new(&bounds), bounds, normals }
+        Masters { tree: Tree::new(bounds), normals }
     }
 
     /// Returns the facets within `search` (m) of a slave facet with nodes at `points` that face its `normal`, in
     /// ascending order.
     pub(super) fn facing(&self, points: &[[f64; 3]], normal: [f64; 3], search: f64) -> Vec<usize> {
         let around = Bounds::of(points).grown(search);
-        let mut facing = Vec::new();
-        self.tree.around(&around, |k| {
-            if self.bounds[k].overlaps(&around) && dot(self.normals[k], normal) < -FACING {
-                facing.push(k);
-            }
-        });
+        let faces = |k: &usize| dot(self.normals[*k], normal) < -FACING;
+        let mut facing: Vec<usize> = self.tree.around(&around).filter(faces).collect();
         facing.sort_unstable();
         facing
     }
@@ -401,17 +396,14 @@ fn least_distance(mesh: &Mesh, sides: [&Boundary; 2]) -> (f64, [f64; 3]) {
             (1..facet.len().max(3) - 1).map(corners).collect::<Vec<_>>()
         };
         let triangles: Vec<[[f64; 3]; 3]> = to.facets.iter().flat_map(fan).collect();
-        let tree = Tree::new(&triangles.iter().map(|corners| Bounds::of(corners)).collect::<Vec<_>>());
+        let tree = Tree::new(triangles.iter().map(|corners| Bounds::of(corners)));
         for node in from.nodes() {
             let x = mesh.nodes[node];
-            tree.near(x, |k| {
-                let away = minus(nearest_of(&triangles[k], x).0, x);
-                let distance = dot(away, away);
-                if distance.sqrt() < least.0 {
-                    least = (distance.sqrt(), x);
-                }
-                distance
-            });
+            if let Some((square, _)) =
+                tree.nearest(x, |k| square_distance(&triangles[k], x)).filter(|of| of.0.sqrt() < least.0)
+            {
+                least = (square.sqrt(), x);
+            }
         }
     }
     least

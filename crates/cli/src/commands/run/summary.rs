@@ -5,9 +5,9 @@ use stickslip::base::{Quantity, UnitSystem, six_digits};
 use stickslip::body::{PeakOf, Pretension, StickZone};
 use stickslip::run::Run;
 use stickslip::run::report::{
-    AppliedForce, BalanceRecord, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult, HoldingForce,
-    LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord, SlipRegime, Unknowns,
-    Warning,
+    AppliedForce, BalanceRecord, ChangingLoad, ComponentSums, CycleReport, EliminatedUnknown, FrictionResult,
+    HoldingForce, LargestForce, LargestPressure, PointRecord, RankRecord, Resultant, RunReport, SectionRecord,
+    SlipRegime, Unknowns, Warning,
 };
 use stickslip::scene::{Scene, Time};
 use stickslip::solver::formulation::Layout;
@@ -221,9 +221,12 @@ fn print_largest(report: &RunReport) {
     }
     for used in &report.friction_use {
         let (share, at) = (percent(used.largest), six_digits(used.time));
-        let from = |nodes: &str, time: Option<f64>| time.map(|t| format!("{nodes} slip from {} s", six_digits(t)));
-        let ways = [from("some nodes", used.slips_from), from("all", used.slips_wholly_from)].into_iter().flatten();
-        let slips = ways.reduce(|some, all| format!("{some}, {all}")).unwrap_or("no node slips".to_string());
+        let from = |nodes: &str, time: Option<f64>, k: usize| {
+            Some(format!("{nodes} slip from {} s{}", six_digits(time?), ChangingLoad::in_words(&used.factors, k)))
+        };
+        let first = used.slips_from.filter(|time| Some(*time) != used.slips_wholly_from);
+        let ways = [from("some nodes", first, 0), from("all", used.slips_wholly_from, 1)].into_iter();
+        let slips = ways.flatten().reduce(|some, all| format!("{some}, {all}")).unwrap_or("no node slips".to_string());
         let limit = units.rounded(Quantity::Force, used.friction_limit, DIGITS);
         let (boundary, end) = (&used.boundary, format!("{:?}", used.end).to_lowercase());
         row!(
