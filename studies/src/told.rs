@@ -238,7 +238,11 @@ fn told(report: &RunReport) -> [Option<f64>; 7] {
         None,
         tangential.and_then(|force| force.mesh_error),
         // Nothing is told of a zone that sticks or slips as a whole.
-        report.stick_zone.as_ref().filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0).map(|zone| zone.uncertainty),
+        report
+            .stick_zone
+            .as_ref()
+            .filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0)
+            .and_then(|zone| zone.uncertainty),
         friction.and_then(|friction| friction.time_error).map(f64::abs),
         tangential.and_then(|force| force.time_error),
     ]

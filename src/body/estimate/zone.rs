@@ -76,9 +76,11 @@ pub struct StickZone {
     pub time: f64,
     /// The width of the stick zone as a share of the width of the zone: 1 if all nodes stick, 0 if none does.
     pub ratio: f64,
-    /// The typical error of the ratio, a sixth of an element at each end: `1 / (3 n)`, with n the nodes across the zone, or
-    /// along it if the whole surface is in contact.
-    pub uncertainty: f64,
+    /// The nodes across the zone, or along it if the whole surface is in contact.
+    pub nodes_across: usize,
+    /// The typical error of the ratio, a sixth of an element at each end: `1 / (3 n)` for n nodes across. `None` in space, where it is
+    /// unknown.
+    pub uncertainty: Option<f64>,
 }
 
 /// The values of which a peak pressure is the maximum.
@@ -362,12 +364,12 @@ impl StickZone {
         let ratio = if disc { share.sqrt() } else { share };
         let along = if model.mesh.dimension == 3 { zone.len().isqrt() } else { zone.len() };
         let n = across.unwrap_or(along);
-        let uncertainty = OF_ELEMENT / n as f64;
         (stick + slip > 0.0 && n > NOTHING).then(|| StickZone {
             boundary: surface.name.clone(),
             time,
             ratio,
-            uncertainty,
+            nodes_across: n,
+            uncertainty: (model.mesh.dimension == 2).then_some(OF_ELEMENT / n as f64),
         })
     }
 }

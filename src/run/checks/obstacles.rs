@@ -47,14 +47,7 @@ impl Check for ObstacleNotMet {
 
 /// The largest deviation of an obstacle between nodes when contact forces were largest, if any, and the time, s.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-pub(super) struct ObstacleBetweenNodes(Option<(BetweenNodes, f64)>);
-
-impl ObstacleBetweenNodes {
-    /// Returns `true` if the obstacle in front of `boundary` is inside the body between nodes.
-    pub(super) fn is_inside(&self, boundary: &str) -> bool {
-        self.0.as_ref().is_some_and(|(found, _)| found.boundary == boundary && found.untouched.is_some())
-    }
-}
+pub(super) struct ObstacleBetweenNodes(pub(super) Option<(BetweenNodes, f64)>);
 
 impl Check for ObstacleBetweenNodes {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {

@@ -20,7 +20,7 @@ pub(super) struct CapacityArgs {
     json: bool,
 }
 
-/// Exit status 1: the joint does not hold the load, or its capacity is not known.
+/// Exit status 1: the joint does not hold the load, its capacity is not known, or the search was interrupted.
 pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<ExitStatus, Failure> {
     interrupt::listen();
     let scene = args.scene.read()?;
@@ -38,6 +38,9 @@ pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<E
         paragraph("warning", &format!("{}: {}", warning.kind.name, warning.message))
     };
     text.extend(found.report.warnings.iter().map(warning));
+    if interrupt::requested() {
+        text += &paragraph("interrupted", "the search ended early");
+    }
     print_results(None, args.json.then_some(&json), &text, || Ok(Vec::<(&str, String)>::new()))?;
-    Ok(if found.holds() { ExitStatus::Success } else { ExitStatus::NotConverged })
+    Ok(if found.holds() && !interrupt::requested() { ExitStatus::Success } else { ExitStatus::NotConverged })
 }

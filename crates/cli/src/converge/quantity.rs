@@ -8,8 +8,8 @@ use crate::study::{KEY_RESULTS, TableQuantity};
 /// Narrower zones have no peak that says anything about finer meshes.
 const FINE_FOR_PEAK: usize = 5;
 
-/// The stick ratio does not count if the mesh alone makes a larger uncertainty, as in zones of fewer than nine nodes.
-const FINE_FOR_STICK: f64 = 1.0 / (3.0 * 9.0);
+/// Narrower zones have no stick ratio that counts.
+const FINE_FOR_STICK: usize = 9;
 
 impl TableQuantity {
     /// Returns `true` if it is the largest contact pressure of the history.
@@ -18,10 +18,10 @@ impl TableQuantity {
     }
 
     /// Returns the errors of a `value` by rounding to whole elements, and to whole increments: half an element at each end of
-    /// the stick zone, three times the typical error; the increment that ends at a time, or in which the joint slips.
+    /// the stick zone; the increment that ends at a time, or in which the joint slips.
     pub(super) fn rounding(&self, value: f64, report: &RunReport, json: &Value) -> [f64; 2] {
         let elements = report.stick_zone.as_ref().filter(|_| self.word() == "stick_ratio");
-        let elements = elements.map_or(0.0, |stick| 3.0 * stick.uncertainty);
+        let elements = elements.map_or(0.0, |stick| 1.0 / stick.nodes_across as f64);
         let text = self.text();
         let (parent, key) = text.rsplit_once('.').unwrap_or(("", text));
         let end = |k: usize| format!("{parent}.between[{k}]").parse::<TableQuantity>().ok()?.of(json).as_f64();
@@ -46,7 +46,7 @@ impl TableQuantity {
                 across.is_none_or(|across| across >= FINE_FOR_PEAK)
             }
             "friction_work" => !warned(WarningKind::SLIP_ZONE_COARSE),
-            "stick_ratio" => report.stick_zone.as_ref().is_some_and(|stick| stick.uncertainty <= FINE_FOR_STICK),
+            "stick_ratio" => report.stick_zone.as_ref().is_some_and(|stick| stick.nodes_across >= FINE_FOR_STICK),
             _ => true,
         };
         is_resolved && !warned(WarningKind::CONTACT_UNRESOLVED)

@@ -75,7 +75,7 @@ if (held) keyRow("largest tangential force", rounded(held.magnitude, FORCE), `${
 for (const of of uses) keyRow("friction in use", percent(of.largest), `${of.boundary}, t = ${plain(of.time)} s: ${slipOf(of)}`, "", "");
 if (friction) keyRow("friction work", rounded(friction.friction_work, ENERGY), "all increments", "unknown",
   ofSteps(friction.time_error) + (Math.abs(friction.time_error) >= 0.001 ? `: better ${rounded(friction.friction_work * (1 - friction.time_error), ENERGY)}` : ""));
-if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, `± ${plain(stick.uncertainty, 1)}`, "");
+if (stick) keyRow("stick zone", plain(stick.ratio, 2), `of the contact width, ${stick.boundary}, t = ${plain(stick.time)} s`, stick.uncertainty == null ? "unknown" : `± ${plain(stick.uncertainty, 1)}`, "");
 if (moved) keyRow("largest displacement", rounded(moved.length, LENGTH), `${placeOf(moved.position)}, t = ${plain(moved.time)} s`, "", "");
 if (peak && peak.pressure) {
   const across = peak.nodes_across ? `, ${peak.nodes_across} nodes across` : "";

@@ -248,11 +248,10 @@ fn print_largest(report: &RunReport) {
     }
     let partial = report.stick_zone.as_ref().filter(|zone| zone.ratio > 0.0 && zone.ratio < 1.0);
     if let Some(StickZone { boundary, time, ratio, uncertainty, .. }) = partial {
-        row!(
-            "stick zone   {ratio:.2} ± {} of the contact width on `{boundary}`, at t = {} s",
-            units.rounded(Quantity::Number, *uncertainty, 1),
-            six_digits(*time)
-        );
+        let known =
+            uncertainty.map_or(String::new(), |share| format!(" ± {}", units.rounded(Quantity::Number, share, 1)));
+        let time = six_digits(*time);
+        row!("stick zone   {ratio:.2}{known} of the contact width on `{boundary}`, at t = {time} s");
     }
     if let Some(cycle) = &report.cycle {
         print_cycle(cycle, units);
