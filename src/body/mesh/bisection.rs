@@ -185,8 +185,8 @@ impl Bisection {
     /// # Errors
     /// The middle of an edge from which the surface is further away than a share of the height of a cell, which might fold.
     pub(crate) fn follow(mut self, facets: &[Facet], round: Arc<dyn Round>) -> Result<Self, [f64; 3]> {
-        let step = if self.is_quadratic { 2 } else { 1 };
         for (f, facet) in facets.iter().enumerate() {
+            let step = if facet.len() > self.first.dimension { 2 } else { 1 };
             for (k, &node) in facet.iter().step_by(step).enumerate() {
                 let shares = std::array::from_fn(|j| f64::from(u8::from(j == k)));
                 self.places.entry(node).or_default().push((f, shares));

@@ -52,7 +52,7 @@ const ARC: f64 = 1.5;
 
 /// The points examined on an edge, as shares of its length. They are unequally spaced so that no period of a surface is
 /// in phase with the nodes and all points.
-const PLACES: [f64; 4] = [0.14, 0.38, 0.5, 0.83];
+const PLACES: [f64; 8] = [0.07, 0.14, 0.26, 0.38, 0.5, 0.62, 0.73, 0.87];
 
 /// The nearest obstacle as seen from a point of a boundary.
 pub(crate) struct NearestObstacle {
@@ -123,9 +123,10 @@ impl Model {
     /// nodal distances, at time `t` (s).
     ///
     /// On a facet with a closed node, the measure is the difference; on any other facet, the depth of the point inside
-    /// the obstacle. Arcs that follow from the normals at the nodes are subtracted: arcs of the obstacle, which the
-    /// nodes resolve as far as possible if one of them touches, and arcs that straight facets cut off a curved boundary.
-    pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
+    /// the obstacle beyond that of the nodes. Arcs that follow from the normals at the nodes are subtracted: arcs that straight facets
+    /// cut off a curved boundary, and beside a closed node those of the obstacle, which the nodes resolve as far as possible.
+    /// With `open`, only facets without a closed node count.
+    pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus], open: bool) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.contact.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
         };
@@ -144,7 +145,6 @@ impl Model {
                 .iter()
                 .map(|&i| (self.contact.nodes[i].node, statuses[i] != ContactStatus::Open))
                 .collect();
-            let is_met = closed.values().any(|closed| *closed);
             let mut at_nodes: BTreeMap<usize, NearestObstacle> = BTreeMap::new();
             for facet in facets.facets.iter().filter(|facet| facet.iter().any(|node| closed.contains_key(node))) {
                 let outward = self.mesh.area_vector(facet);
@@ -156,6 +156,9 @@ impl Model {
                     self.nearest_obstacle(boundary, t, x, mean(point, &|node| displacements[node]), outward)
                 };
                 let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
+                if touches && open {
+                    continue;
+                }
                 for node in facet {
                     at_nodes.entry(*node).or_insert_with(|| nearest_at(&[(*node, 1.0)]));
                 }
@@ -165,7 +168,7 @@ impl Model {
                         let of = |[from, to]: [[f64; 3]; 2]| dot(minus(unit(to), unit(from)), along(edge)).abs() / 8.0;
                         // A node without an obstacle in front contributes no arc.
                         let of_obstacle = of(edge.map(|node| at_nodes[&node].inward)).max(0.0);
-                        of(edge.map(|node| outsides[&node])) + if is_met { of_obstacle } else { 0.0 }
+                        of(edge.map(|node| outsides[&node])) + if touches { of_obstacle } else { 0.0 }
                     };
                     // Across a facet in three dimensions, the arcs of its sides add up, each counted twice.
                     let twice = if edges.len() > 1 { 2.0 } else { 1.0 };
@@ -174,7 +177,10 @@ impl Model {
                     for place in places {
                         let there = nearest_at(&place).distance;
                         let linear: f64 = place.iter().map(|(node, share)| share * at_nodes[node].distance).sum();
-                        let missed = if touches && !linear.is_nan() { (there - linear).abs() } else { -there };
+                        // Rounded or inclined, an obstacle may be as far inside at nodes that do not touch.
+                        let at_nodes = place.iter().map(|(node, _)| at_nodes[node].distance).fold(0.0, f64::min);
+                        let missed =
+                            if touches && !linear.is_nan() { (there - linear).abs() } else { at_nodes - there };
                         let position = mean(&place, &|node| self.mesh.nodes[node]);
                         let missed = missed - ARC * arcs - noise - DISTANCE_ROUNDING * norm(position);
                         if missed > 0.0 && worst.as_ref().is_none_or(|worst| missed > worst.missed) {

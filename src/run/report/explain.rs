@@ -78,10 +78,10 @@ impl Explanation {
 }
 
 impl ChangingLoad {
-    /// Returns the loads with different factors at the times `ends` (s), with their factors at `times` (s).
-    pub(super) fn all(model: &Model, times: [f64; 2], ends: [f64; 2]) -> Vec<Self> {
+    /// Returns the loads that one of these pairs of times (s) has different factors of, with their factors at `times` (s).
+    pub(super) fn all(model: &Model, times: [f64; 2], pairs: &[[f64; 2]]) -> Vec<Self> {
         let cases = model.loading.cases().iter().take(model.description().loads.len()).enumerate();
-        let changing = cases.filter(|(_, case)| case.factor(ends[0]) != case.factor(ends[1]));
+        let changing = cases.filter(|(_, case)| pairs.iter().any(|[t, s]| case.factor(*t) != case.factor(*s)));
         changing.map(|(load, case)| ChangingLoad { load, between: times.map(|t| case.factor(t)) }).collect()
     }
 
@@ -107,7 +107,7 @@ impl JointSlip {
         Some(JointSlip {
             motion: motion.sliding(&model.units()),
             between,
-            factors: ChangingLoad::all(model, between, between),
+            factors: ChangingLoad::all(model, between, &[between]),
             friction_used: dot(&u, &force) / most,
             force: against(Quantity::Force),
             moment: against(Quantity::Moment),

@@ -24,7 +24,7 @@ pub struct FrictionUse {
     pub slips_from: Option<f64>,
     /// The end of the first increment after which all nodes that touch slip, s.
     pub slips_wholly_from: Option<f64>,
-    /// The loads that change there, with their factors at both times; if not all slip, twice that at the first.
+    /// The loads that change at one of these times, with their factors at both; if not all slip, twice that at the first.
     #[serde(default)]
     pub factors: Vec<ChangingLoad>,
     /// The slip at the end.
@@ -40,11 +40,9 @@ const NO_FRICTION: f64 = 0.01;
 impl FrictionUse {
     /// Returns it with the loads that change just before some nodes slip, or all.
     pub(super) fn with_factors(&self, model: &Model) -> Self {
-        let times = self.slips_from.map(|first| [first, self.slips_wholly_from.unwrap_or(first)]);
-        let at = |times: [f64; 2]| times.map(|t| ChangingLoad::all(model, times, [t, (1.0 - BEFORE) * t])).concat();
-        let mut factors = times.map_or(Vec::new(), at);
-        factors.sort_by_key(|changing| changing.load);
-        factors.dedup();
+        let Some(first) = self.slips_from else { return self.clone() };
+        let times = [first, self.slips_wholly_from.unwrap_or(first)];
+        let factors = ChangingLoad::all(model, times, &times.map(|t| [t, (1.0 - BEFORE) * t]));
         FrictionUse { factors, ..self.clone() }
     }
 

@@ -153,7 +153,9 @@ impl Moment {
         if self.tangential || mesh.geometry.is_revolved() {
             return None;
         }
-        let of_node: BTreeMap<usize, usize> = boundary.nodes.iter().map(|&i| (nodes[i].node, i)).collect();
+        // A direction that is given is not a mean of normals.
+        let own = boundary.nodes.iter().filter(|i| model.slope(**i, self.time).is_nan());
+        let of_node: BTreeMap<usize, usize> = own.map(|&i| (nodes[i].node, i)).collect();
         let of_facet = |facet: &Facet| {
             let own = facet.iter().map(|node| of_node.get(node).copied()).collect::<Option<Vec<usize>>>()?;
             let pressure = own.iter().map(|&i| self.state.p_n[i] / nodes[i].weight).sum::<f64>() / own.len() as f64;

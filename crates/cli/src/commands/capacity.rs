@@ -28,19 +28,20 @@ pub(super) fn capacity(args: &CapacityArgs, invocation: &Invocation) -> Result<E
     let refused = |message| Failure::input(message, "name a load that is not 0 at the end with --load");
     let load = capacity::load(&scene, &args.load).map_err(refused)?;
     let found = capacity::compute(&scene, load, &mut interrupt::UntilInterrupted)?.map_err(refused)?;
-    let json = pretty(&changed(found.to_json(), &args.scene, &invocation.command_line()))?;
     let mut text = format!("{}\n\n", scene.title);
     let slips = found.between.is_none() || found.report.explanation.slip.is_some();
     let against = if slips { "slip as a whole" } else { "the loss of equilibrium" };
     text.push_str(&paragraph("safety", &format!("{} against {against}", found.safety())));
     text.push_str(&paragraph("capacity", &found.sentence()));
-    let warning = |warning: &stickslip::run::report::Warning| {
-        paragraph("warning", &format!("{}: {}", warning.kind.name, warning.message))
-    };
-    text.extend(found.report.warnings.iter().map(warning));
+    for warning in &found.report.warnings {
+        text += &paragraph("warning", &format!("{}: {}", warning.kind.name, warning.message));
+    }
+    let mut json = changed(found.to_json(), &args.scene, &invocation.command_line());
     if interrupt::requested() {
+        json["status"] = "interrupted".into();
         text += &paragraph("interrupted", "the search ended early");
     }
+    let json = pretty(&json)?;
     print_results(None, args.json.then_some(&json), &text, || Ok(Vec::<(&str, String)>::new()))?;
     Ok(if found.holds() && !interrupt::requested() { ExitStatus::Success } else { ExitStatus::NotConverged })
 }

@@ -396,21 +396,15 @@ impl TableQuantity {
     }
 }
 
-/// Keys whose words would say something else, with their names, and the places of components.
-const NAMES: [[&str; 2]; 3] = [
-    ["holding_force", "tangential force"],
-    ["slips_wholly_from", "time of whole slip"],
-    ["slips_from", "time of first slip"],
-];
-const AXES: [[&str; 2]; 3] = [["[0]", " x"], ["[1]", " y"], ["[2]", " z"]];
-
 /// Returns a key in words: of a value and what it belongs to, the value first, where this does not name it already.
 fn in_words(key: &str) -> String {
-    let with =
-        |part: &str, all: [[&str; 2]; 3]| all.iter().fold(part.to_string(), |part, of| part.replace(of[0], of[1]));
-    let spelt = |part: &str| with(part, NAMES).replace(['_', '.'], " ");
+    let axes = ["x", "y", "z"].into_iter().enumerate();
+    let with_axis = |child: &str| {
+        axes.clone().fold(child.to_string(), |child, (k, axis)| child.replace(&format!("[{k}]"), &format!(" {axis}")))
+    };
+    let spelt = |part: &str| part.replace("holding_force", "tangential_force").replace(['_', '.'], " ");
     let (parent, child) = key.trim_start_matches("size:").rsplit_once('.').unwrap_or(("", key));
-    let (parent, child) = (spelt(parent), spelt(&with(child, AXES)));
+    let (parent, child) = (spelt(parent), spelt(&with_axis(child)));
     let last = |words: &str| words.rsplit(' ').next().unwrap_or_default().to_string();
     match &*parent {
         "" | "totals" => child,
@@ -610,7 +604,6 @@ mod tests {
             ("largest_pressure.mean_pressure", "mean pressure"),
             ("largest_pressure.position[1]", "position y of largest pressure"),
             ("boundaries[0].force[0]", "force x of boundaries[0]"),
-            ("friction_use[1].slips_wholly_from", "time of whole slip of friction use[1]"),
             ("totals.cpu_seconds", "cpu seconds"),
             ("status", "status"),
             ("max:bottom.f_x", "max f_x of bottom"),
