@@ -9,7 +9,7 @@
 //! New nodes of the surface lie on the curved surfaces of which the edges of the first mesh are chords, so that a polygon
 //! becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
 //! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`. The error of a
-//! cell into which an obstacle reaches between nodes is 1.
+//! cell into which an obstacle reaches between nodes is 1 if nothing presses.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -24,7 +24,7 @@ use super::{RecordedIncrement, Run, RunError};
 use crate::base::input_error::InputError;
 use crate::body::contact::RoundSurface;
 use crate::body::mesh::{Bisection, Cell, Facet, Mesh, MeshSource, sorted};
-use crate::body::model::{Model, TOLERATED_SHARE};
+use crate::body::model::Model;
 use crate::body::{ElementEstimate, ModelError};
 use crate::scene::Scene;
 use crate::solver::history::{IncrementView, Observer, Status};
@@ -237,9 +237,9 @@ impl MeshErrors {
         for increment in &states.known {
             let t = increment.record.time;
             let displacements = model.displaced(t, &increment.state.u);
-            // Where an obstacle is inside the body between nodes, a contact is not seen.
-            let between = model.between_nodes(t, &increment.state, &increment.statuses, true);
-            let missed = between.filter(|found| found.missed > TOLERATED_SHARE * model.pressed(t, &increment.state));
+            // Where an obstacle is inside the body between nodes, and nothing presses yet, a contact is not seen.
+            let between = model.between_nodes(t, &increment.state, &increment.statuses);
+            let missed = between.filter(|_| model.pressed(t, &increment.state) == 0.0);
             if let Some(facet) = missed.and_then(|found| found.untouched) {
                 let is_beside = |cell: &Cell| facet.iter().all(|node| cell.nodes.contains(node));
                 let beside = mesh.cells.iter().zip(&mut squares).filter(|(cell, _)| is_beside(cell));

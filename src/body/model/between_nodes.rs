@@ -125,8 +125,7 @@ impl Model {
     /// On a facet with a closed node, the measure is the difference; on any other facet, the depth of the point inside
     /// the obstacle beyond that of the nodes. Arcs that follow from the normals at the nodes are subtracted: arcs that straight facets
     /// cut off a curved boundary, and beside a closed node those of the obstacle, which the nodes resolve as far as possible.
-    /// With `open`, only facets without a closed node count.
-    pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus], open: bool) -> Option<BetweenNodes> {
+    pub fn between_nodes(&self, t: f64, state: &State, statuses: &[ContactStatus]) -> Option<BetweenNodes> {
         let curved = |boundary: &&ContactBoundary| {
             self.contact.obstacles[boundary.obstacles.clone()].iter().any(|(obstacle, _)| !obstacle.is_plane())
         };
@@ -156,9 +155,6 @@ impl Model {
                     self.nearest_obstacle(boundary, t, x, mean(point, &|node| displacements[node]), outward)
                 };
                 let touches = facet.iter().any(|node| closed.get(node) == Some(&true));
-                if touches && open {
-                    continue;
-                }
                 for node in facet {
                     at_nodes.entry(*node).or_insert_with(|| nearest_at(&[(*node, 1.0)]));
                 }

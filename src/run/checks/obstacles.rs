@@ -53,7 +53,7 @@ impl Check for ObstacleBetweenNodes {
     fn observe(&mut self, model: &Model, step: &IncrementView<'_>, so_far: &SoFar) {
         if so_far.is_deepest {
             let time = step.record.time;
-            self.0 = model.between_nodes(time, step.state, step.statuses, false).map(|between| (between, time));
+            self.0 = model.between_nodes(time, step.state, step.statuses).map(|between| (between, time));
         }
     }
 
