@@ -245,7 +245,7 @@ impl PlacedObstacle {
         self.surface.is_the_same_about(self.normal, axis, through)
     }
 
-    /// Finds the first node of `boundary` at which the normal does not point out of the body, see [`faces_away`].
+    /// Finds the first node of `boundary` at which the normal does not point out of the body on every facet there.
     pub fn faces_away(&self, mesh: &Mesh, boundary: &Boundary) -> Option<usize> {
         faces_away(mesh, boundary, |node| self.at(mesh.nodes[node]).normal)
     }
