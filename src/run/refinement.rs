@@ -9,7 +9,7 @@
 //! New nodes of the surface lie on the curved surfaces of which the edges of the first mesh are chords, so that a polygon
 //! becomes a circle. The mean radius of a polygon, whose edges turn by `θ` each, is a share of `θ²/12` too
 //! small. The mean of this share over the cells there, weighted with their strain energy, is added to `η²`. The error of a
-//! cell into which an obstacle reaches between nodes is 1 if nothing presses.
+//! cell into which an obstacle reaches between nodes is 1 if nothing touches.
 //!
 //! [`DiscretisationError`]: crate::body::DiscretisationError
 
@@ -237,9 +237,9 @@ impl MeshErrors {
         for increment in &states.known {
             let t = increment.record.time;
             let displacements = model.displaced(t, &increment.state.u);
-            // Where an obstacle is inside the body between nodes, and nothing presses yet, a contact is not seen.
-            let between = model.between_nodes(t, &increment.state, &increment.statuses);
-            let missed = between.filter(|_| model.pressed(t, &increment.state) == 0.0);
+            // Where an obstacle is inside the body between nodes, and nothing touches yet, a contact is not seen.
+            let touches = increment.record.contact.stick + increment.record.contact.slip > 0;
+            let missed = model.between_nodes(t, &increment.state, &increment.statuses).filter(|_| !touches);
             if let Some(facet) = missed.and_then(|found| found.untouched) {
                 let is_beside = |cell: &Cell| facet.iter().all(|node| cell.nodes.contains(node));
                 let beside = mesh.cells.iter().zip(&mut squares).filter(|(cell, _)| is_beside(cell));

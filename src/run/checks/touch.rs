@@ -17,7 +17,7 @@ kinds! {
 pub(super) fn no_contact(Solved { model, checks, .. }: &Solved<'_>) -> Option<Warning> {
     // Without a converged increment, nothing is known of the contact.
     let mut boundaries = model.contact.boundaries.iter().filter(|_| checks.so_far.increments > 0);
-    // What is inside the body between nodes touches, unseen.
+    // An obstacle inside the body between nodes touches, unseen.
     let inside = checks.between_nodes.0.as_ref().filter(|(found, _)| found.untouched.is_some());
     let is_unseen = |boundary: &ContactBoundary| inside.is_some_and(|(found, _)| found.boundary == boundary.name);
     let boundary = boundaries.find(|b| !is_unseen(b) && !b.nodes.iter().any(|&i| checks.so_far.touched[i]))?;

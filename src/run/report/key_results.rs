@@ -145,8 +145,8 @@ impl Moment {
     }
 
     /// Returns the error (N) of the force of a pair by the normals of the nodes, which are those of curved facets in the mean:
-    /// `2 Σ σ (a - Σ l_a n_a)` over the facets, with their mean pressures σ, area vectors a and weights l_a of the nodes. It is
-    /// twice that of the resultant, because the same rows are those of the gaps.
+    /// `2 Σ σ (a - Σ l_a n_a)` over the facets, with their mean pressures σ, area vectors a and weights l_a of the nodes. The
+    /// factor stands for the gaps, whose rows are the same: fits of second order are off by 2.9 times the sum.
     fn by_normals(&self, model: &Model) -> Option<f64> {
         let (mesh, nodes) = (&model.mesh, &model.contact.nodes);
         let boundary = model.contact.boundaries.get(self.boundary).filter(|boundary| boundary.pair.is_some())?;

@@ -25,6 +25,9 @@ use std::time::Instant;
 /// last node begins to slip, with this many digits.
 const USED_UP: f64 = 1e-6;
 
+/// The share by which the pressure falls in the search for the motion of such a joint.
+const FALLING: f64 = 1e-3;
+
 /// A history in which each step from event to event is judged, and each end of an increment on the whole body.
 struct ExactHistory<'a> {
     body: Body<'a>,
@@ -234,11 +237,14 @@ impl ExactHistory<'_> {
         self.under_load(time, |load| driven_motion(self.body.problem, self.body.problem.mu(), load))
     }
 
-    /// Returns the rigid motion along the contact in which the loads at `time` overcome friction, if the friction of
-    /// `state` against it is used up at the end of the path.
+    /// Returns the rigid motion along the contact in which the loads at `time`, or those at the end of the path after a small loss
+    /// of pressure, overcome friction, if the friction of `state` against it is used up at that end.
     fn sliding_motion(&self, time: f64, end: &StepData, state: &State) -> Option<Vec<f64>> {
         let (problem, mu, p_n) = (self.body.problem, self.body.problem.mu(), &state.p_n);
-        let motion = self.under_load(time, |load| sliding_motion(problem, mu, load, p_n))?;
+        // Where the pressure falls, loads of the same size overcome less friction.
+        let less: Vec<f64> = p_n.iter().map(|p| (1.0 - FALLING) * p).collect();
+        let at_end = || self.under_load(end.time, |load| sliding_motion(problem, mu, load, &less));
+        let motion = self.under_load(time, |load| sliding_motion(problem, mu, load, p_n)).or_else(at_end)?;
         let most = friction_work(problem, mu, p_n, &problem.rigid_motion(&motion));
         let left = excess(problem, mu, &end.force, p_n, &motion).abs();
         (left <= USED_UP * most).then_some(motion)

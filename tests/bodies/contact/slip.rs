@@ -79,6 +79,20 @@ fn a_block_on_a_floor() {
     }
 }
 
+/// The push is a quarter of the limit when the pressure begins to fall, to no more than it takes at t = 2.75.
+#[test]
+fn a_block_whose_pressure_falls() {
+    let push = "load[1].history=[[0,0],[1,0.125],[2,0.125],[3,0.125]]";
+    for (space, method) in [(false, "bn"), (false, "ip"), (false, "events"), (true, "bn")] {
+        let loads = ["load[0].history=[[0,1],[2,1],[3,0]]", push, "time.end=3", "time.increments=12"];
+        let report = run(&floor(space), &[&loads[..], &[&format!("solver.method=\"{method}\""), &whole()]].concat());
+        assert_eq!(report.status, Status::Slips, "{space} {method}: {}", report.explanation.reason);
+        let [from, by] = report.explanation.slip.as_ref().unwrap().between;
+        println!("{space} {method}: {from} {by}");
+        assert!(from <= 2.75 + 1e-6 && 2.75 <= by, "{space} {method}: {from} {by}");
+    }
+}
+
 /// A node in two contacts has friction at each: a wall that is never touched takes none from the floor, and a wall that is let go
 /// leaves a block that slides along the floor. The exact path has none there, and says so.
 #[test]
