@@ -10,7 +10,7 @@ pub(crate) mod model;
 pub use contact::{
     ContactBoundary, ContactNode, Counterpart, Coupled, End, Facing, GapAt, GapDirection, GapTable, Mortar,
     MortarFault, MortarOptions, MortarRow, Obstacle, ObstacleError, ObstacleMotion, Passed, Place, PlacedObstacle,
-    Rates, Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
+    Rotation, Row, Shape, SlaveChoice, SlaveReason, Supports, SurfaceError, TableError, Term,
 };
 pub use description::{
     Action, Against, Axis, Bed, Contact, Coupling, CouplingKind, Description, Direction, Held, Kinks, Load, Opposite,

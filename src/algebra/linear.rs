@@ -85,26 +85,26 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// If memory is short or the backend refuses the pattern.
-    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError>;
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Computed<()>;
 
     /// Factors the matrix with `values` on the analysed pattern; whenever the values have changed.
     ///
     /// # Errors
     /// [`LinearError::Singular`] if a pivot vanishes; an error if memory is short.
-    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError>;
+    fn factorize(&mut self, values: &[f64]) -> Computed<FactorInfo>;
 
     /// Solves with the last factors, without refinement.
     ///
     /// # Errors
     /// If there are no factors, or the backend fails.
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError>;
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()>;
 
     /// Runs [`LinearSolver::analyze`] for matrices like `a`, which may have a dense or distributed block besides
     /// compressed columns.
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
-    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Computed<()> {
         self.analyze(a.to_csc()?.pattern())
     }
 
@@ -112,7 +112,7 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// As [`LinearSolver::factorize`].
-    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Computed<FactorInfo> {
         self.factorize(a.to_csc()?.values())
     }
 
@@ -125,7 +125,7 @@ pub trait LinearSolver: Send {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
-    fn solve_to(&mut self, _tolerance: f64, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve_to(&mut self, _tolerance: f64, b: &[f64], x: &mut [f64]) -> Computed<()> {
         self.solve(b, x)
     }
 
@@ -143,6 +143,9 @@ pub struct Iterated {
     /// The direct solver that took over, if the iterations stalled.
     pub instead: Option<SparseLu>,
 }
+
+/// A value that linear algebra computes, or why it cannot.
+pub type Computed<T> = Result<T, LinearError>;
 
 /// An error of a linear solver, after which the run cannot continue with this matrix.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -250,12 +253,12 @@ fn dotted([main, sub, subsub]: &[i32; 3]) -> String {
 }
 
 /// Returns an error unless both lengths agree.
-fn expect_length(what: &'static str, expected: usize, found: usize) -> Result<(), LinearError> {
+fn expect_length(what: &'static str, expected: usize, found: usize) -> Computed<()> {
     if expected == found { Ok(()) } else { Err(LinearError::Shape { what, expected, found }) }
 }
 
 /// Returns an error if one of `values` is NaN or infinite.
 #[cfg(any(feature = "umfpack", feature = "faer"))]
-fn expect_finite(values: &[f64]) -> Result<(), LinearError> {
+fn expect_finite(values: &[f64]) -> Computed<()> {
     if values.iter().all(|value| value.is_finite()) { Ok(()) } else { Err(LinearError::NotFinite) }
 }

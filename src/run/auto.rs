@@ -7,7 +7,7 @@
 
 use super::need::{factor_of, factors, most_entries};
 use crate::algebra::linear::built_in::ranks;
-use crate::algebra::linear::{LinearError, SparseLu};
+use crate::algebra::linear::{Computed, SparseLu};
 use crate::base::memory::{Budget, in_words};
 use crate::solver::history::LinearAlgebra;
 use crate::solver::initial_working_set::InitialWorkingSet;
@@ -82,7 +82,7 @@ impl Choice {
         problem: &ContactProblem,
         initial_set: &InitialWorkingSet,
         solvers: AvailableSolvers,
-    ) -> Result<Self, LinearError> {
+    ) -> Computed<Self> {
         let (n, m) = (problem.displacements(), initial_set.displacements(problem));
         let ranked = solvers.ranked(n, m * m <= DENSE * problem.stiffness().lower_entries());
         let Some(&best) = ranked.first() else { return Ok(Choice::named(LinearAlgebra::default())) };

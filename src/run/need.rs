@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::RunError;
 use crate::algebra::linear::built_in::ranks;
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, SparseLu};
+use crate::algebra::linear::{Cholesky, Computed, FactorInfo, LinearError, SparseLu};
 use crate::base::memory::{Budget, kilobytes};
 use crate::body::model::Model;
 use crate::solver::history::LinearAlgebra;
@@ -67,7 +67,7 @@ impl MemoryEstimate {
     ///
     /// # Errors
     /// When memory is short for the symbolic analysis.
-    pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Result<Self, LinearError> {
+    pub fn of(model: &Model, linear: LinearAlgebra, records: usize) -> Computed<Self> {
         let stiffness = match linear {
             LinearAlgebra::Multigrid | LinearAlgebra::Petsc => FactorInfo::default(),
             LinearAlgebra::Whole(_) | LinearAlgebra::Condensed(_) => factor_of(&model.problem)?,
@@ -139,7 +139,7 @@ impl MemoryEstimate {
 }
 
 /// Returns the properties of the Cholesky factor of the stiffness, by one symbolic analysis.
-pub(super) fn factor_of(problem: &ContactProblem) -> Result<FactorInfo, LinearError> {
+pub(super) fn factor_of(problem: &ContactProblem) -> Computed<FactorInfo> {
     Cholesky::predict(problem.stiffness().assembled()?.as_ref())
 }
 

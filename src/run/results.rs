@@ -8,7 +8,7 @@ use super::force_jumps::{ForceJump, JumpDetector};
 use super::watch::{ReportCollector, Watches};
 use super::{RecordedIncrement, Run, RunError, Sink};
 use crate::algebra::linear::process::blas::Blas;
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, RefinedSolver};
 use crate::body::estimate::error_of_force;
 use crate::body::model::Model;
 use crate::run::report::{
@@ -181,7 +181,7 @@ impl Run<'_> {
 
     /// Returns the error of a force by the mesh at the `moment` of its largest value, N; `None` if it is unknown, as in
     /// contact zones of a few nodes, whose width depends on the mesh, or with a stiffness that several processes share.
-    fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Result<Option<f64>, LinearError> {
+    fn force_error(&self, moment: &Moment, watch: &EstimateWatch) -> Computed<Option<f64>> {
         let Model { problem, .. } = &*self.model;
         if problem.stiffness().distributed().is_some() {
             return Ok(None);

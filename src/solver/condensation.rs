@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::algebra::linear::{Cholesky, FactorInfo, LinearError, Reduced, SparseCholesky};
+use crate::algebra::linear::{Cholesky, Computed, FactorInfo, Reduced, SparseCholesky};
 use crate::algebra::sparse::{Csr, DenseSymmetric, Symmetric};
 use crate::solver::loading::{LoadCase, Loading};
 use crate::solver::problem::{ContactProblem, OwnBasis, Parts, State};
@@ -100,7 +100,7 @@ impl Condensation {
         whole: &Arc<Symmetric>,
         border: &[usize],
         basis: Option<&OwnBasis>,
-    ) -> Result<CondensedStiffness, LinearError> {
+    ) -> Computed<CondensedStiffness> {
         if let Some(known) = self.last().filter(|last| last.is_of(whole, border, basis)) {
             return Ok(known);
         }
@@ -174,7 +174,7 @@ impl Condensed {
     /// # Errors
     /// [`LinearError::Singular`] if a part of the body can move while the contact nodes are clamped; an error if
     /// memory is short.
-    pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Result<Self, LinearError> {
+    pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Computed<Self> {
         let border = problem.contact_displacements();
         let basis = OwnBasis::of(problem);
         let whole = problem.stiffness().assembled()?;
@@ -218,7 +218,7 @@ impl Condensed {
     ///
     /// # Errors
     /// If memory is short.
-    pub(crate) fn load(&mut self, loading: &Loading) -> Result<(), LinearError> {
+    pub(crate) fn load(&mut self, loading: &Loading) -> Computed<()> {
         let cases =
             loading.cases().iter().map(|case| self.factor.reduce(case.force())).collect::<Result<Vec<_>, _>>()?;
         let reduced = |(case, reduced): (&LoadCase, &Reduced)| case.on(self.on_contact(reduced));
@@ -243,7 +243,7 @@ impl Condensed {
         loading: &Loading,
         nodes: Vec<usize>,
         cholesky: SparseCholesky,
-    ) -> Result<Self, LinearError> {
+    ) -> Computed<Self> {
         let condensed = Self::new(&problem.of_nodes(&nodes), &loading.of_nodes(&nodes), cholesky)?;
         Ok(Condensed { subset: Some(NodeSubset { nodes, all: problem.contacts() }), ..condensed })
     }
@@ -294,7 +294,7 @@ impl Condensed {
     ///
     /// # Errors
     /// If an array of `contact` has another length than the condensed problem needs.
-    pub fn state(&self, time: f64, contact: &State) -> Result<State, LinearError> {
+    pub fn state(&self, time: f64, contact: &State) -> Computed<State> {
         let (border, u_rest) = match &self.basis {
             None => (contact.u.clone(), self.spread(&contact.u_rest)),
             Some(basis) => {
@@ -325,7 +325,7 @@ impl Condensed {
     ///
     /// # Errors
     /// If memory is short.
-    pub fn reduce(&self, forces: &[f64]) -> Result<Reduced, LinearError> {
+    pub fn reduce(&self, forces: &[f64]) -> Computed<Reduced> {
         self.factor.reduce(forces)
     }
 
@@ -339,7 +339,7 @@ impl Condensed {
     ///
     /// # Errors
     /// If memory is short.
-    pub fn displacements(&self, forces: &Reduced, contact: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub fn displacements(&self, forces: &Reduced, contact: &[f64]) -> Computed<Vec<f64>> {
         let mut u = vec![0.0; self.factor.order()];
         match &self.basis {
             None => self.factor.expand(forces, contact, &mut u)?,

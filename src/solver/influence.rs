@@ -10,7 +10,7 @@
 //! Displacements u of the body and their mesh error e then have `J - J_h = -a(u - u_h, z - z_h)`. If loads alone
 //! determine J, z is a rigid motion and J has no such error.
 
-use crate::algebra::linear::{Dense, LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, Dense, LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::condensation::Condensed;
 use crate::solver::formulation::{Bdiff, FormulationScaling};
@@ -45,7 +45,7 @@ pub(crate) fn influence(
     scaling: Scaling,
     nodes: &[Weighted],
     system: SystemSolver,
-) -> Result<Option<Vec<f64>>, LinearError> {
+) -> Computed<Option<Vec<f64>>> {
     match system {
         SystemSolver::Whole(mut linear) => along(problem, scaling, nodes, &mut linear),
         SystemSolver::Condensed(condensation) => {
@@ -69,7 +69,7 @@ fn along(
     scaling: Scaling,
     nodes: &[Weighted],
     linear: &mut RefinedSolver,
-) -> Result<Option<Vec<f64>>, LinearError> {
+) -> Computed<Option<Vec<f64>>> {
     let mut tangent = Bdiff::new(problem, scaling, &FormulationScaling::natural(problem));
     let case = |node: &Weighted| match (node.closed, node.slips) {
         (true, None) => (true, TangentialCase::Stick),

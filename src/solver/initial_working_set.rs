@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::algebra::linear::{Cholesky, LinearError, SparseCholesky};
+use crate::algebra::linear::{Cholesky, Computed, LinearError, SparseCholesky};
 use crate::solver::loading::Loading;
 use crate::solver::problem::ContactProblem;
 
@@ -61,7 +61,7 @@ pub fn working_set(
     times: &[f64],
     affordable: f64,
     condensing: Option<SparseCholesky>,
-) -> Result<InitialWorkingSet, LinearError> {
+) -> Computed<InitialWorkingSet> {
     // All nodes, with the factors of `K` with all contact displacements last, if they were needed.
     let whole = |made: Option<Cholesky>| Ok(InitialWorkingSet { nodes: None, factor: made.map(Arc::new) });
     let all = problem.contacts();
@@ -108,7 +108,7 @@ pub fn working_set(
 }
 
 /// Returns `C_n K⁻¹ f` of each load, n_c, m: the normal displacements of the contact nodes without contact forces.
-fn unopposed(problem: &ContactProblem, loading: &Loading, factor: &Cholesky) -> Result<Vec<Vec<f64>>, LinearError> {
+fn unopposed(problem: &ContactProblem, loading: &Loading, factor: &Cholesky) -> Computed<Vec<Vec<f64>>> {
     let mut u = vec![0.0; problem.displacements()];
     let mut moved = Vec::with_capacity(loading.cases().len());
     for case in loading.cases() {

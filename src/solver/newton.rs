@@ -11,7 +11,7 @@ pub use ip::{Centring, Ip, IpSettings};
 pub(crate) use predictor_corrector::PredictorCorrector;
 use std::time::Instant;
 
-use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::linear::{Computed, LinearError, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
 use std::ops::ControlFlow;
@@ -43,7 +43,7 @@ pub enum Termination {
 
 impl Termination {
     /// Converts an error of a linear solve: a singular matrix gives a termination, anything else stays an error.
-    fn at(error: LinearError) -> Result<Self, LinearError> {
+    fn at(error: LinearError) -> Computed<Self> {
         match error {
             LinearError::Singular { .. } | LinearError::NotFinite => Ok(Termination::Singular(error)),
             error => Err(error),

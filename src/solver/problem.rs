@@ -5,7 +5,7 @@ mod natural;
 mod own_basis;
 mod strained;
 
-use crate::algebra::linear::{LinearError, Stiffness, null_space_of};
+use crate::algebra::linear::{Computed, LinearError, Stiffness, null_space_of};
 use crate::algebra::sparse::{Csr, DoubleDouble};
 use error::{expect_each, expect_finite, expect_length};
 use std::collections::BTreeSet;
@@ -272,7 +272,7 @@ impl ContactProblem {
     ///
     /// # Errors
     /// If a rank that shares the stiffness has failed.
-    pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Result<Vec<f64>, LinearError> {
+    pub(crate) fn imbalance(&self, force: &[f64], state: &State) -> Computed<Vec<f64>> {
         if state.u_rest.is_empty() {
             let mut balance = vec![0.0; state.u.len()];
             self.stiffness().mul(&state.u, &mut balance)?;

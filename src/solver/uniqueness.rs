@@ -7,7 +7,7 @@ use crate::solver::problem::{ContactProblem, Increment, State};
 use faer::Mat;
 use serde::{Deserialize, Serialize};
 
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::formulation::{Bdiff, FormulationScaling, Layout};
 use crate::solver::history::Error;
@@ -119,7 +119,7 @@ pub fn critical_friction(
 }
 
 /// Returns `T`, column by column, or `None` if `J_0` is singular.
-fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> Result<Option<Mat<f64>>, LinearError> {
+fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> Computed<Option<Mat<f64>>> {
     if tangent.unconstrained_mode().is_some() {
         return Ok(None);
     }
@@ -150,7 +150,7 @@ fn response(tangent: &Bdiff, sliders: &[Slider], linear: &mut RefinedSolver) -> 
 const REAL: f64 = 1e-7;
 
 /// Returns the largest real positive eigenvalue of `t`, or 0 if there is none.
-fn largest_real(t: &Mat<f64>) -> Result<f64, LinearError> {
+fn largest_real(t: &Mat<f64>) -> Computed<f64> {
     let eigenvalues =
         t.eigenvalues().map_err(|_| LinearError::Backend { backend: "faer", step: "eigenvalues", status: -1 })?;
     // An eigenvalue below the rounding of the largest entries counts as zero.

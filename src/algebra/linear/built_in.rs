@@ -51,7 +51,7 @@ pub(crate) fn without_grid() -> Box<dyn LinearSolver> {
 mod absent {
     use std::sync::Arc;
 
-    use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver};
+    use crate::algebra::linear::{Computed, FactorInfo, LinearError, LinearSolver};
     use crate::algebra::sparse::Pattern;
 
     /// A placeholder for a backend that is not available.
@@ -62,15 +62,15 @@ mod absent {
             self.0
         }
 
-        fn analyze(&mut self, _pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+        fn analyze(&mut self, _pattern: &Arc<Pattern>) -> Computed<()> {
             Err(LinearError::NotBuiltIn { backend: self.0 })
         }
 
-        fn factorize(&mut self, _values: &[f64]) -> Result<FactorInfo, LinearError> {
+        fn factorize(&mut self, _values: &[f64]) -> Computed<FactorInfo> {
             Err(LinearError::Order { missing: "analyze" })
         }
 
-        fn solve(&mut self, _b: &[f64], _x: &mut [f64]) -> Result<(), LinearError> {
+        fn solve(&mut self, _b: &[f64], _x: &mut [f64]) -> Computed<()> {
             Err(LinearError::Order { missing: "factorize" })
         }
     }

@@ -17,7 +17,7 @@
 mod sweep;
 
 use super::supernodal::{Supernodal, Supernode};
-use super::{FactorInfo, LinearError, SparseCholesky, expect_length, times_transposed};
+use super::{Computed, FactorInfo, LinearError, SparseCholesky, expect_length, times_transposed};
 use crate::algebra::sparse::{Pattern, Symmetric};
 use sweep::Branches;
 
@@ -53,7 +53,7 @@ impl SparseCholesky {
     ///
     /// # Errors
     /// As [`Cholesky::factor`].
-    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Result<Cholesky, LinearError> {
+    pub fn factor(self, k: &Symmetric, last: &[usize]) -> Computed<Cholesky> {
         match self {
             #[cfg(feature = "umfpack")]
             SparseCholesky::Cholmod => Cholesky::cholmod(k, last),
@@ -73,7 +73,7 @@ impl SparseCholesky {
     ///
     /// # Errors
     /// As [`Cholesky::factor`]; [`LinearError::Singular`] if a part of the body can move while `last` are fixed.
-    pub(crate) fn factor_held(self, k: &Symmetric, last: &[usize]) -> Result<(Cholesky, Vec<f64>), LinearError> {
+    pub(crate) fn factor_held(self, k: &Symmetric, last: &[usize]) -> Computed<(Cholesky, Vec<f64>)> {
         match self.factor(k, last) {
             Err(LinearError::Singular { .. }) if !last.is_empty() => {
                 let (mut held, diagonal) = (k.clone(), k.diagonal());
@@ -103,7 +103,7 @@ impl Cholesky {
     /// infinity; [`LinearError::Shape`] if `last` repeats an unknown or names one that does not exist;
     /// [`LinearError::NotBuiltIn`] if this build has neither backend; an error if memory is short or the backend
     /// fails.
-    pub fn factor(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+    pub fn factor(k: &Symmetric, last: &[usize]) -> Computed<Self> {
         SparseCholesky::default().factor(k, last)
     }
 
@@ -113,7 +113,7 @@ impl Cholesky {
     /// # Errors
     /// As [`Cholesky::factor`].
     #[cfg(feature = "umfpack")]
-    pub fn cholmod(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+    pub fn cholmod(k: &Symmetric, last: &[usize]) -> Computed<Self> {
         super::expect_finite(k.lower().values())?;
         let mut session = super::cholmod::Session::new()?;
         let order = with_border(k.lower().pattern(), last, |interior| session.order(interior))?;
@@ -126,7 +126,7 @@ impl Cholesky {
     /// # Errors
     /// As [`Cholesky::factor`].
     #[cfg(feature = "faer")]
-    pub fn faer(k: &Symmetric, last: &[usize]) -> Result<Self, LinearError> {
+    pub fn faer(k: &Symmetric, last: &[usize]) -> Computed<Self> {
         super::expect_finite(k.lower().values())?;
         let order = with_border(k.lower().pattern(), last, super::faer::minimum_degree)?;
         let factor = super::faer::Llt::factor(&k.lower(), &order)?;
@@ -138,7 +138,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// If memory is short; [`LinearError::NotBuiltIn`] if this build has no backend.
-    pub fn predict(k: &Symmetric) -> Result<FactorInfo, LinearError> {
+    pub fn predict(k: &Symmetric) -> Computed<FactorInfo> {
         #[cfg(feature = "umfpack")]
         {
             let mut session = super::cholmod::Session::new()?;
@@ -157,7 +157,7 @@ impl Cholesky {
         }
     }
 
-    fn new(factor: Box<dyn Supernodal>, order: Vec<usize>, border: usize) -> Result<Self, LinearError> {
+    fn new(factor: Box<dyn Supernodal>, order: Vec<usize>, border: usize) -> Computed<Self> {
         let pivot_ratio = pivot_ratio(&*factor, order.len())?;
         let info = FactorInfo { pivot_ratio, ..factor.info() };
         let tree = Branches::new(&*factor, order.len() - border);
@@ -174,7 +174,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// [`LinearError::NotFinite`] if a pivot is not finite.
-    pub fn interior_pivot_ratio(&self) -> Result<f64, LinearError> {
+    pub fn interior_pivot_ratio(&self) -> Computed<f64> {
         pivot_ratio(&*self.factor, self.interior())
     }
 
@@ -201,7 +201,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// [`LinearError::Singular`] if the interior has rigid modes, in which the border does not move.
-    pub(crate) fn schur_complement(&self, shift: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub(crate) fn schur_complement(&self, shift: &[f64]) -> Computed<Vec<f64>> {
         let pivot_ratio = self.interior_pivot_ratio()?;
         if pivot_ratio <= f64::EPSILON {
             return Err(LinearError::Singular { pivot_ratio });
@@ -216,7 +216,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// If a vector has the wrong length.
-    pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    pub fn solve(&self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         expect_length("solution", self.order(), x.len())?;
         let mut ordered = self.ordered(b)?;
         sweep::forward(&*self.factor, &self.tree, self.order(), &mut ordered);
@@ -230,7 +230,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// If `b` has the wrong length.
-    pub fn reduce(&self, b: &[f64]) -> Result<Reduced, LinearError> {
+    pub fn reduce(&self, b: &[f64]) -> Computed<Reduced> {
         let mut interior = self.ordered(b)?;
         // Many right-hand sides are zero there.
         if interior[..self.interior()].iter().any(|b| *b != 0.0) {
@@ -247,7 +247,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// If a vector has the wrong length.
-    pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    pub fn expand(&self, reduced: &Reduced, x_c: &[f64], x: &mut [f64]) -> Computed<()> {
         expect_length("reduced right-hand side", self.interior(), reduced.interior.len())?;
         expect_length("solution", self.order(), x.len())?;
         x.copy_from_slice(&self.expand_sum(std::slice::from_ref(reduced), &[1.0], x_c)?);
@@ -258,7 +258,7 @@ impl Cholesky {
     ///
     /// # Errors
     /// If the border has the wrong length.
-    pub(crate) fn expand_sum(&self, parts: &[Reduced], factors: &[f64], x_c: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub(crate) fn expand_sum(&self, parts: &[Reduced], factors: &[f64], x_c: &[f64]) -> Computed<Vec<f64>> {
         expect_length("border of the solution", self.border, x_c.len())?;
         let mut ordered = vec![0.0; self.interior()];
         for (part, factor) in parts.iter().zip(factors) {
@@ -277,7 +277,7 @@ impl Cholesky {
     }
 
     /// Returns `b` in the order of the factors.
-    fn ordered(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+    fn ordered(&self, b: &[f64]) -> Computed<Vec<f64>> {
         expect_length("right-hand side", self.order(), b.len())?;
         Ok(self.order.iter().map(|&unknown| b[unknown]).collect())
     }
@@ -294,7 +294,7 @@ fn nodes(factor: &dyn Supernodal) -> impl DoubleEndedIterator<Item = Supernode<'
 }
 
 /// Returns the ratio of the smallest to the largest of the first `n` pivots, the squares on the diagonal of `L`.
-fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Result<f64, LinearError> {
+fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Computed<f64> {
     let (mut smallest, mut largest) = (f64::INFINITY, 0.0_f64);
     for node in nodes(factor).take_while(|node| node.first < n) {
         for k in 0..node.columns.min(n - node.first) {
@@ -315,8 +315,8 @@ fn pivot_ratio(factor: &dyn Supernodal, n: usize) -> Result<f64, LinearError> {
 fn with_border(
     lower: &Pattern,
     last: &[usize],
-    interior: impl FnOnce(&Pattern) -> Result<Vec<usize>, LinearError>,
-) -> Result<Vec<usize>, LinearError> {
+    interior: impl FnOnce(&Pattern) -> Computed<Vec<usize>>,
+) -> Computed<Vec<usize>> {
     let n = lower.columns();
     let mut is_last = vec![false; n];
     let distinct = last.iter().filter(|&&k| k < n && !std::mem::replace(&mut is_last[k], true)).count();

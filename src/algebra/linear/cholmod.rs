@@ -8,7 +8,7 @@ use std::ptr::{self, NonNull};
 
 use super::process::blas::blas_buffer;
 use super::supernodal::{Supernodal, Supernode};
-use super::{FactorInfo, LinearError, ordering, sys, versions};
+use super::{Computed, FactorInfo, LinearError, ordering, sys, versions};
 use crate::algebra::sparse::{Csc, Pattern};
 
 // The bindings pass `Pattern`'s indices by pointer: C's 64-bit index must be exactly i64.
@@ -26,7 +26,7 @@ pub(super) struct Session {
 
 impl Session {
     /// Creates a session without output that leaves `L` supernodal.
-    pub(super) fn new() -> Result<Self, LinearError> {
+    pub(super) fn new() -> Computed<Self> {
         versions::agree()?;
         // SAFETY: integers, floats, pointers and optional functions, all of which may be zero.
         let mut common: Box<sys::cholmod_common> = Box::new(unsafe { std::mem::zeroed() });
@@ -56,7 +56,7 @@ impl Session {
     }
 
     /// Converts the status of the last call to an error.
-    fn check(&self, step: &'static str) -> Result<(), LinearError> {
+    fn check(&self, step: &'static str) -> Computed<()> {
         const OK: c_int = sys::CHOLMOD_OK as c_int;
         const NOT_POSITIVE_DEFINITE: c_int = sys::CHOLMOD_NOT_POSDEF as c_int;
         const OUT_OF_MEMORY: c_int = sys::CHOLMOD_OUT_OF_MEMORY as c_int;
@@ -71,7 +71,7 @@ impl Session {
 
     /// Returns a fill-reducing, postordered permutation for a symmetric matrix with this lower triangle: minimum
     /// degree, or, if METIS is available and minimum degree has much fill, nested dissection.
-    pub(super) fn order(&mut self, lower: &Pattern) -> Result<Vec<usize>, LinearError> {
+    pub(super) fn order(&mut self, lower: &Pattern) -> Computed<Vec<usize>> {
         let common = self.common_mut();
         // CHOLMOD's own strategy: these factors are computed once, so the time for ordering counts. On plane grids of
         // 200² and 400² nodes METIS took 5 to 16 times as long as AMD and the whole 1.5 to 3 times as long, to save 2
@@ -104,7 +104,7 @@ impl Session {
     }
 
     /// Factors the symmetric matrix with this lower triangle in the given order.
-    pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Result<Factor, LinearError> {
+    pub(super) fn factor(mut self, lower: &Csc, order: &[usize]) -> Computed<Factor> {
         blas_buffer::prepare()?;
         let mut permutation: Vec<i64> = order.iter().map(|&unknown| unknown as i64).collect();
         let common = self.common_mut();

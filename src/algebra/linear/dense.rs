@@ -29,7 +29,7 @@ use std::sync::Arc;
 use faer::Mat;
 use rayon::prelude::*;
 
-use super::{FactorInfo, LinearError, LinearSolver, SystemMatrix, expect_length};
+use super::{Computed, FactorInfo, LinearError, LinearSolver, SystemMatrix, expect_length};
 use crate::algebra::sparse::{Csc, Csr, DenseSymmetric, Pattern};
 
 mod blocks;
@@ -73,11 +73,11 @@ impl LinearSolver for Dense {
         "dense"
     }
 
-    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Computed<()> {
         self.analyze_system(&Csc::zeros(Arc::clone(pattern)).into())
     }
 
-    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+    fn factorize(&mut self, values: &[f64]) -> Computed<FactorInfo> {
         let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         expect_length("values of the matrix", blocks.pattern.len(), values.len())?;
         let mut matrix = Csc::zeros(Arc::clone(&blocks.pattern));
@@ -86,7 +86,7 @@ impl LinearSolver for Dense {
     }
 
     /// Finds the groups of unknowns that the contact rows of `a` couple.
-    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Computed<()> {
         (self.blocks, self.contact) = (None, None);
         self.blocks = Some(Blocks::new(a)?);
         Ok(())
@@ -95,7 +95,7 @@ impl LinearSolver for Dense {
     /// # Errors
     /// [`LinearError::Singular`] if a pivot vanishes or may be mere rounding, [`LinearError::NotFinite`] if an entry
     /// is not finite.
-    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Computed<FactorInfo> {
         let blocks = self.blocks.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         let stiffness = a.leading().map_or_else(|| DenseSymmetric::of_lower(0, Vec::new()), DenseSymmetric::clone);
         expect_length("values of the matrix", blocks.pattern.len(), a.pattern().len())?;
@@ -123,7 +123,7 @@ impl LinearSolver for Dense {
         })
     }
 
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         let (Some(blocks), Some(contact)) = (&self.blocks, &self.contact) else {
             return Err(LinearError::Order { missing: "factorize" });
         };

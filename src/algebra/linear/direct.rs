@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 
 use super::refine::{self, SolveInfo, Workspace};
-use super::{FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix, expect_length};
+use super::{Computed, FactorInfo, Iterated, LinearError, LinearSolver, SparseLu, SystemMatrix, expect_length};
 use crate::algebra::sparse::Pattern;
 
 /// The statistics of a [`RefinedSolver`].
@@ -90,7 +90,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
-    pub fn analyze(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+    pub fn analyze(&mut self, a: &SystemMatrix) -> Computed<()> {
         let start = Instant::now();
         self.generation += 1;
         let known = self.pattern.take().is_some_and(|pattern| pattern == *a.pattern());
@@ -109,7 +109,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`LinearSolver::factorize`], and [`LinearError::PatternChanged`].
-    pub fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    pub fn factorize(&mut self, a: &SystemMatrix) -> Computed<FactorInfo> {
         self.expect_analysed(a)?;
         let start = Instant::now();
         self.generation += 1;
@@ -121,7 +121,7 @@ impl RefinedSolver {
     }
 
     /// Returns an error unless `a` has the analysed pattern, and both vectors fit it.
-    fn fits(&self, a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<(), LinearError> {
+    fn fits(&self, a: &SystemMatrix, b: &[f64], x: &[f64]) -> Computed<()> {
         self.expect_analysed(a)?;
         expect_length("right-hand side", a.pattern().rows(), b.len())?;
         expect_length("solution", a.order(), x.len())
@@ -129,7 +129,7 @@ impl RefinedSolver {
 
     /// Returns an error unless `a` has the analysed pattern. A formulation shares it, so that no entries are
     /// compared.
-    fn expect_analysed(&self, a: &SystemMatrix) -> Result<(), LinearError> {
+    fn expect_analysed(&self, a: &SystemMatrix) -> Computed<()> {
         let pattern = self.pattern.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         if Arc::ptr_eq(pattern, a.pattern()) || pattern == a.pattern() {
             Ok(())
@@ -142,7 +142,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`].
-    pub fn solve_roughly(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    pub fn solve_roughly(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         let start = Instant::now();
         self.solver.solve(b, x)?;
         self.count_solve(start);
@@ -156,7 +156,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`], and [`LinearError::PatternChanged`].
-    pub fn reciprocal_condition(&mut self, a: &SystemMatrix) -> Result<f64, LinearError> {
+    pub fn reciprocal_condition(&mut self, a: &SystemMatrix) -> Computed<f64> {
         const DOUBTFUL: f64 = 1e-10;
         self.expect_analysed(a)?;
         let n = a.order();
@@ -200,13 +200,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`RefinedSolver::solve`].
-    pub fn solve_to(
-        &mut self,
-        tolerance: f64,
-        a: &SystemMatrix,
-        b: &[f64],
-        x: &mut [f64],
-    ) -> Result<SolveInfo, LinearError> {
+    pub fn solve_to(&mut self, tolerance: f64, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Computed<SolveInfo> {
         self.fits(a, b, x)?;
         let start = Instant::now();
         if !self.solver.iterates() {
@@ -227,7 +221,7 @@ impl RefinedSolver {
     ///
     /// # Errors
     /// As [`LinearSolver::solve`], [`LinearError::PatternChanged`], and [`LinearError::NotFinite`].
-    pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Result<SolveInfo, LinearError> {
+    pub fn solve(&mut self, a: &SystemMatrix, b: &[f64], x: &mut [f64]) -> Computed<SolveInfo> {
         self.fits(a, b, x)?;
         let start = Instant::now();
         let info = refine::solve(&mut |b, x| self.solver.solve(b, x), a, b, x, &mut self.work)?;

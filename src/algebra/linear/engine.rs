@@ -2,7 +2,7 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::{Grid, LinearError, LinearSolver, Stiffness};
+use super::{Computed, Grid, LinearSolver, Stiffness};
 use crate::algebra::sparse::NodeRows;
 
 /// The solvers that a program adds to the library, and the processes that share their work.
@@ -19,7 +19,7 @@ pub trait Engine: Send + Sync {
     ///
     /// # Errors
     /// If the processes cannot work together, or memory is short.
-    fn share(&self, body: Arc<dyn NodeRows>, near: &[bool], contacts: usize) -> Result<Option<Stiffness>, LinearError>;
+    fn share(&self, body: Arc<dyn NodeRows>, near: &[bool], contacts: usize) -> Computed<Option<Stiffness>>;
 
     /// Creates the direct solver, a factorisation on all processes.
     fn direct(&self) -> Box<dyn LinearSolver>;

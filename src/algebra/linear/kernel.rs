@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use super::{Cholesky, LinearError};
+use super::{Cholesky, Computed, LinearError};
 use crate::algebra::sparse::Symmetric;
 
 /// The shift of the unit diagonal of the scaled matrix, so that it can be factored. One step of inverse iteration
@@ -27,7 +27,7 @@ const FIRST_BLOCK: usize = 7;
 ///
 /// # Errors
 /// As [`Cholesky::factor`]; [`LinearError::Singular`] if `k` is indefinite.
-pub(crate) fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError> {
+pub(crate) fn null_space_of(k: &Symmetric) -> Computed<Vec<Vec<f64>>> {
     let n = k.order();
     // A displacement without stiffness is a mode of its own.
     let diagonal: Vec<f64> = k.diagonal().iter().map(|d| if *d > 0.0 { *d } else { 1.0 }).collect();
@@ -49,12 +49,7 @@ pub(crate) fn null_space_of(k: &Symmetric) -> Result<Vec<Vec<f64>>, LinearError>
 }
 
 /// Returns the null vectors of `k` in a subspace of this dimension.
-fn free_in_block(
-    k: &Symmetric,
-    diagonal: &[f64],
-    factor: &Cholesky,
-    block: usize,
-) -> Result<Vec<Vec<f64>>, LinearError> {
+fn free_in_block(k: &Symmetric, diagonal: &[f64], factor: &Cholesky, block: usize) -> Computed<Vec<Vec<f64>>> {
     let n = diagonal.len();
     let mut vectors: Vec<Vec<f64>> = (0..block).map(|seed| start(n, seed)).collect();
     for _ in 0..STEPS {

@@ -25,7 +25,9 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use super::{Cholesky, Dense, FactorInfo, LinearError, LinearSolver, Lu, SparseCholesky, SystemMatrix, expect_length};
+use super::{
+    Cholesky, Computed, Dense, FactorInfo, LinearError, LinearSolver, Lu, SparseCholesky, SystemMatrix, expect_length,
+};
 use crate::algebra::sparse::{Csc, DenseSymmetric, Pattern, Symmetric};
 
 /// If a group of coupled contact unknowns is larger than this, the contact block is factored as one dense matrix: eliminating the
@@ -95,12 +97,12 @@ impl LinearSolver for Partial {
 
     /// # Errors
     /// [`LinearError::UnknownDisplacements`]: a pattern alone does not tell which unknowns are displacements.
-    fn analyze(&mut self, _pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+    fn analyze(&mut self, _pattern: &Arc<Pattern>) -> Computed<()> {
         (self.shape, self.interior) = (None, None);
         Err(LinearError::UnknownDisplacements)
     }
 
-    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+    fn factorize(&mut self, values: &[f64]) -> Computed<FactorInfo> {
         let shape = self.shape.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         expect_length("values of the matrix", shape.pattern.len(), values.len())?;
         let known = self.interior.take().filter(|interior| shape.has_stiffness_of(values, &interior.values));
@@ -122,7 +124,7 @@ impl LinearSolver for Partial {
         })
     }
 
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         let (Some(shape), Some(interior)) = (&self.shape, &mut self.interior) else {
             return Err(LinearError::Order { missing: "factorize" });
         };
@@ -137,14 +139,14 @@ impl LinearSolver for Partial {
         Ok(())
     }
 
-    fn analyze_system(&mut self, a: &SystemMatrix) -> Result<(), LinearError> {
+    fn analyze_system(&mut self, a: &SystemMatrix) -> Computed<()> {
         (self.shape, self.interior) = (None, None);
         let displacements = a.displacements().ok_or(LinearError::UnknownDisplacements)?;
         self.shape = Some(Shape::new(a.to_csc()?.pattern(), displacements)?);
         Ok(())
     }
 
-    fn factorize_system(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    fn factorize_system(&mut self, a: &SystemMatrix) -> Computed<FactorInfo> {
         let whole = a.to_csc()?;
         let shape = self.shape.as_ref().ok_or(LinearError::Order { missing: "analyze" })?;
         let same = Arc::ptr_eq(&shape.pattern, whole.pattern()) || shape.pattern == *whole.pattern();
@@ -160,7 +162,7 @@ impl Shape {
     ///
     /// # Errors
     /// If the pattern is not square.
-    fn new(pattern: &Arc<Pattern>, displacements: usize) -> Result<Self, LinearError> {
+    fn new(pattern: &Arc<Pattern>, displacements: usize) -> Computed<Self> {
         let n = pattern.columns();
         expect_length("rows of the matrix", n, pattern.rows())?;
         let rows = |j: usize| pattern.column(j).map(move |slot| (pattern.row_indices()[slot] as usize, slot));
@@ -219,7 +221,7 @@ impl Shape {
 }
 
 impl Interior {
-    fn new(shape: &Shape, cholesky: SparseCholesky, values: &[f64]) -> Result<Self, LinearError> {
+    fn new(shape: &Shape, cholesky: SparseCholesky, values: &[f64]) -> Computed<Self> {
         let (factor, shift) = cholesky.factor_held(&shape.stiffness(values), &shape.border)?;
         let s = DenseSymmetric::of_lower(shape.border.len(), factor.schur_complement(&shift)?);
         let contact = SystemMatrix::new(s, Csc::zeros(Arc::clone(&shape.contact)))?;
@@ -233,7 +235,7 @@ impl Interior {
     }
 
     /// Factors what is left of the matrix with `values`.
-    fn factorize_contact(&mut self, shape: &Shape, values: &[f64]) -> Result<FactorInfo, LinearError> {
+    fn factorize_contact(&mut self, shape: &Shape, values: &[f64]) -> Computed<FactorInfo> {
         for (to, &(slot, is_stiffness)) in self.contact.rest_mut().values_mut().iter_mut().zip(&shape.slots) {
             *to = values[slot] - if is_stiffness { self.values[slot] } else { 0.0 };
         }
@@ -242,7 +244,7 @@ impl Interior {
 }
 
 impl Trailing {
-    fn factorize(&mut self, a: &SystemMatrix) -> Result<FactorInfo, LinearError> {
+    fn factorize(&mut self, a: &SystemMatrix) -> Computed<FactorInfo> {
         let factors = match self {
             Trailing::ByNodes(dense) => return dense.factorize_system(a),
             Trailing::Coupled(factors) => factors,
@@ -263,7 +265,7 @@ impl Trailing {
         })
     }
 
-    fn solve(&mut self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+    fn solve(&mut self, b: &[f64]) -> Computed<Vec<f64>> {
         match self {
             Trailing::ByNodes(dense) => {
                 let mut x = vec![0.0; b.len()];

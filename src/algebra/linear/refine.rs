@@ -1,7 +1,7 @@
 //! Iterative refinement and the backward error, the same for every backend. A solve to a tolerance by an iterative solver is
 //! not refined.
 
-use super::{LinearError, SystemMatrix, expect_length};
+use super::{Computed, LinearError, SystemMatrix, expect_length};
 
 /// The accuracy of a solution.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -18,7 +18,7 @@ impl SolveInfo {
     ///
     /// # Errors
     /// [`LinearError::Inaccurate`].
-    pub fn within(self, bound: f64) -> Result<Self, LinearError> {
+    pub fn within(self, bound: f64) -> Computed<Self> {
         let SolveInfo { backward_error, .. } = self;
         if backward_error <= bound { Ok(self) } else { Err(LinearError::Inaccurate { backward_error }) }
     }
@@ -41,7 +41,7 @@ pub(super) struct Workspace {
 }
 
 /// A function that solves with the present factors.
-type Solve<'a> = &'a mut dyn FnMut(&[f64], &mut [f64]) -> Result<(), LinearError>;
+type Solve<'a> = &'a mut dyn FnMut(&[f64], &mut [f64]) -> Computed<()>;
 
 /// Solves `A x = b` by `solve_once` and refines until the backward error is at rounding level or stops falling by half.
 pub(super) fn solve(
@@ -50,7 +50,7 @@ pub(super) fn solve(
     b: &[f64],
     x: &mut [f64],
     work: &mut Workspace,
-) -> Result<SolveInfo, LinearError> {
+) -> Computed<SolveInfo> {
     let n = b.len();
     for vector in [&mut work.residual, &mut work.scale, &mut work.candidate] {
         vector.resize(n, 0.0);
@@ -77,7 +77,7 @@ pub(super) fn solve(
     Ok(info)
 }
 
-fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) -> Result<f64, LinearError> {
+fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Workspace) -> Computed<f64> {
     a.residual(x, b, &mut work.residual, &mut work.scale)?;
     let error = from_residual(a, largest, x, &work.residual, &work.scale);
     if error.is_finite() { Ok(error) } else { Err(LinearError::NotFinite) }
@@ -91,7 +91,7 @@ fn measure(a: &SystemMatrix, largest: f64, b: &[f64], x: &[f64], work: &mut Work
 ///
 /// # Errors
 /// [`LinearError`] if `b` or `x` does not fit `a`.
-pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Result<f64, LinearError> {
+pub fn backward_error(a: &SystemMatrix, b: &[f64], x: &[f64]) -> Computed<f64> {
     expect_length("right-hand side", a.pattern().rows(), b.len())?;
     expect_length("solution", a.order(), x.len())?;
     let mut r = vec![0.0; b.len()];

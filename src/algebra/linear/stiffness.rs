@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use std::fmt;
 use std::sync::Arc;
 
-use super::LinearError;
+use super::Computed;
 use crate::algebra::sparse::{Csc, DoubleDouble, Symmetric};
 
 /// The stiffness of a body.
@@ -42,25 +42,25 @@ pub trait Distributed: Any + fmt::Debug + Send + Sync {
     ///
     /// # Errors
     /// [`LinearError`] if a process has failed, here and below.
-    fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError>;
+    fn mul(&self, x: &[f64], y: &mut [f64]) -> Computed<()>;
 
     /// Computes `y = K x` and `sizes = |K| |x|`.
     ///
     /// # Errors
     /// As [`Distributed::mul`].
-    fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) -> Result<(), LinearError>;
+    fn products(&self, x: &[f64], y: &mut [f64], sizes: &mut [f64]) -> Computed<()>;
 
     /// Adds `factor K (x + rest)` to `sums`, in twice the working precision.
     ///
     /// # Errors
     /// As [`Distributed::mul`].
-    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError>;
+    fn add_beyond(&self, factor: f64, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Computed<()>;
 
     /// Gathers all entries in this process, which should be avoided.
     ///
     /// # Errors
     /// As [`Distributed::mul`].
-    fn gathered(&self) -> Result<Symmetric, LinearError>;
+    fn gathered(&self) -> Computed<Symmetric>;
 }
 
 impl From<Symmetric> for Stiffness {
@@ -98,7 +98,7 @@ impl Stiffness {
     ///
     /// # Errors
     /// [`LinearError`] if a process has failed.
-    pub fn assembled(&self) -> Result<Arc<Symmetric>, LinearError> {
+    pub fn assembled(&self) -> Computed<Arc<Symmetric>> {
         match self {
             Stiffness::Assembled(k) => Ok(Arc::clone(k)),
             Stiffness::Distributed(k) => k.gathered().map(Arc::new),
@@ -130,7 +130,7 @@ impl Stiffness {
     }
 
     /// Computes `y = K x`.
-    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
+    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) -> Computed<()> {
         match self {
             Stiffness::Assembled(k) => {
                 k.mul(x, y);
@@ -141,7 +141,7 @@ impl Stiffness {
     }
 
     /// Computes `|K| |x|`.
-    pub(crate) fn sizes(&self, x: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub(crate) fn sizes(&self, x: &[f64]) -> Computed<Vec<f64>> {
         let mut sizes = vec![0.0; x.len()];
         match self {
             Stiffness::Assembled(k) => k.add_sizes(x, &mut sizes),
@@ -151,7 +151,7 @@ impl Stiffness {
     }
 
     /// Adds `K (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Computed<()> {
         match self {
             Stiffness::Assembled(k) => {
                 for (row, column, value) in k.entries() {

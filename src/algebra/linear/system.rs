@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use super::{Distributed, LinearError, Stiffness, expect_length};
+use super::{Computed, Distributed, Stiffness, expect_length};
 use crate::algebra::sparse::{Csc, DenseSymmetric, DoubleDouble, Pattern, Symmetric};
 
 /// A square sparse matrix whose first rows and columns may contain a dense or distributed symmetric block:
@@ -43,7 +43,7 @@ impl SystemMatrix {
     ///
     /// # Errors
     /// If `rest` is not square, or has fewer rows than the block.
-    pub fn new(leading: DenseSymmetric, rest: Csc) -> Result<Self, LinearError> {
+    pub fn new(leading: DenseSymmetric, rest: Csc) -> Computed<Self> {
         let (rows, columns) = (rest.pattern().rows(), rest.pattern().columns());
         expect_length("rows of the matrix", columns, rows)?;
         expect_length("rows of the dense block", leading.order().min(rows), leading.order())?;
@@ -65,7 +65,7 @@ impl SystemMatrix {
     ///
     /// # Errors
     /// If the matrix has fewer columns.
-    pub fn with_displacements(self, displacements: usize) -> Result<Self, LinearError> {
+    pub fn with_displacements(self, displacements: usize) -> Computed<Self> {
         expect_length("displacements", displacements.min(self.order()), displacements)?;
         Ok(SystemMatrix { displacements: Some(displacements), ..self })
     }
@@ -128,7 +128,7 @@ impl SystemMatrix {
     ///
     /// # Errors
     /// [`LinearError`] if a process with rows of the block has failed, here and below.
-    pub fn to_csc(&self) -> Result<Cow<'_, Csc>, LinearError> {
+    pub fn to_csc(&self) -> Computed<Cow<'_, Csc>> {
         let leading = match &self.leading {
             Some(Leading::Dense(dense)) => Symmetric::from(dense.clone()),
             Some(Leading::Distributed(stiffness, factor)) => {
@@ -155,7 +155,7 @@ impl SystemMatrix {
     ///
     /// # Errors
     /// As [`SystemMatrix::to_csc`], and if the length of `x` differs from the number of columns.
-    pub fn times(&self, x: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub fn times(&self, x: &[f64]) -> Computed<Vec<f64>> {
         expect_length("vector", self.order(), x.len())?;
         let mut y = vec![0.0; self.pattern().rows()];
         self.mul(x, &mut y)?;
@@ -163,7 +163,7 @@ impl SystemMatrix {
     }
 
     /// Computes `y = A x`.
-    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) -> Result<(), LinearError> {
+    pub(crate) fn mul(&self, x: &[f64], y: &mut [f64]) -> Computed<()> {
         y.fill(0.0);
         match &self.leading {
             Some(Leading::Dense(dense)) => dense.mul(&x[..dense.order()], &mut y[..dense.order()]),
@@ -179,7 +179,7 @@ impl SystemMatrix {
     }
 
     /// Computes `r = b - A x` and its scale `s = |A| |x| + |b|`.
-    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) -> Result<(), LinearError> {
+    pub(crate) fn residual(&self, x: &[f64], b: &[f64], r: &mut [f64], s: &mut [f64]) -> Computed<()> {
         for (i, &value) in b.iter().enumerate() {
             r[i] = value;
             s[i] = value.abs();
@@ -203,7 +203,7 @@ impl SystemMatrix {
     }
 
     /// Adds `A (x + rest)` to `sums`, in twice the working precision.
-    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Result<(), LinearError> {
+    pub(crate) fn add_beyond(&self, x: &[f64], rest: &[f64], sums: &mut [DoubleDouble]) -> Computed<()> {
         if let Some(Leading::Distributed(stiffness, factor)) = &self.leading {
             let m = stiffness.order();
             stiffness.add_beyond(*factor, &x[..m], &rest[..m], &mut sums[..m])?;
@@ -246,6 +246,7 @@ impl SystemMatrix {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::algebra::linear::LinearError;
 
     /// Creates S of order 3 with one more row and column, and a term added to its diagonal.
     fn example() -> SystemMatrix {

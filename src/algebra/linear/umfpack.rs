@@ -11,7 +11,7 @@ use std::ptr::{self, NonNull};
 use std::sync::Arc;
 
 use super::process::blas::blas_buffer;
-use super::{FactorInfo, LinearError, LinearSolver, expect_length, ordering, sys, versions};
+use super::{Computed, FactorInfo, LinearError, LinearSolver, expect_length, ordering, sys, versions};
 use crate::algebra::sparse::Pattern;
 
 const CONTROL: usize = sys::UMFPACK_CONTROL as usize;
@@ -100,7 +100,7 @@ impl Umfpack {
     ///
     /// # Errors
     /// As [`LinearSolver::analyze`].
-    pub fn analyze_with(&mut self, pattern: &Arc<Pattern>, values: Option<&[f64]>) -> Result<(), LinearError> {
+    pub fn analyze_with(&mut self, pattern: &Arc<Pattern>, values: Option<&[f64]>) -> Computed<()> {
         const STEP: &str = "the symbolic analysis";
         let n = pattern.columns();
         expect_length("rows of the matrix", n, pattern.rows())?;
@@ -162,11 +162,11 @@ impl LinearSolver for Umfpack {
         "umfpack"
     }
 
-    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Computed<()> {
         self.analyze_with(pattern, None)
     }
 
-    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+    fn factorize(&mut self, values: &[f64]) -> Computed<FactorInfo> {
         const STEP: &str = "the factorisation";
         let (Some(pattern), Some(symbolic)) = (&self.pattern, &self.symbolic) else {
             return Err(LinearError::Order { missing: "analyze" });
@@ -206,7 +206,7 @@ impl LinearSolver for Umfpack {
         })
     }
 
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         const STEP: &str = "the solve";
         let (Some(pattern), Some(numeric)) = (&self.pattern, &self.numeric) else {
             return Err(LinearError::Order { missing: "factorize" });
@@ -241,7 +241,7 @@ impl LinearSolver for Umfpack {
 
 /// Maps every status but 0 to an error: even the warning "singular" leaves Inf and NaN behind. The status is a long
 /// in 5.x and an int in 7.x.
-fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Result<(), LinearError> {
+fn check(status: impl Into<i64>, step: &'static str, pivot_ratio: f64) -> Computed<()> {
     const OK: i64 = sys::UMFPACK_OK as i64;
     const SINGULAR: i64 = sys::UMFPACK_WARNING_singular_matrix as i64;
     const OUT_OF_MEMORY: i64 = sys::UMFPACK_ERROR_out_of_memory as i64;

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use libloading::os::unix::Library;
 
-use super::{LinearError, sys};
+use super::{Computed, LinearError, sys};
 
 /// A version, `[main, sub, subsub]`.
 type Version = [i32; 3];
@@ -24,8 +24,8 @@ const MAIN_AND_SUB: usize = 2;
 ///
 /// # Errors
 /// [`LinearError::Version`].
-pub(super) fn agree() -> Result<(), LinearError> {
-    static AGREE: OnceLock<Result<(), LinearError>> = OnceLock::new();
+pub(super) fn agree() -> Computed<()> {
+    static AGREE: OnceLock<Computed<()>> = OnceLock::new();
     AGREE
         .get_or_init(|| {
             compare("SuiteSparse", MAIN, suitesparse_headers(), suitesparse_version())?;
@@ -37,7 +37,7 @@ pub(super) fn agree() -> Result<(), LinearError> {
 }
 
 /// Returns an error unless the first `count` parts of both versions agree.
-fn compare(library: &'static str, count: usize, built: Version, loaded: Version) -> Result<(), LinearError> {
+fn compare(library: &'static str, count: usize, built: Version, loaded: Version) -> Computed<()> {
     if built[..count] == loaded[..count] { Ok(()) } else { Err(LinearError::Version { library, built, loaded }) }
 }
 

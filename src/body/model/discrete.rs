@@ -12,7 +12,7 @@ use super::joint::Joints;
 use super::pair::{self, Pair, Pairs};
 use super::place::{along_the_axis, in_space, node, with_area};
 use super::{Model, ModelError, find};
-use crate::algebra::linear::{LinearError, Stiffness};
+use crate::algebra::linear::{Computed, Stiffness};
 use crate::algebra::sparse::{NodeRows, Symmetric};
 use crate::algebra::union_find::UnionFind;
 use crate::algebra::vector::{cross, minus, norm};
@@ -205,7 +205,7 @@ fn springs(
 /// A function that distributes a stiffness over processes, from its rows, the nodes whose columns this process keeps,
 /// and the number of contact nodes. `None` if this is impossible, for example because another process does not have
 /// the same body.
-pub type Share<'a> = &'a dyn Fn(Arc<dyn NodeRows>, &[bool], usize) -> Result<Option<Stiffness>, LinearError>;
+pub type Share<'a> = &'a dyn Fn(Arc<dyn NodeRows>, &[bool], usize) -> Computed<Option<Stiffness>>;
 
 /// A body before assembly.
 #[derive(Debug, Clone)]
@@ -236,11 +236,7 @@ impl Body {
     }
 
     /// Returns `K` distributed by `share`; `None` if the rows of a contact node contain displacements of other nodes.
-    pub(super) fn stiffness(
-        &self,
-        contacts: &[ContactNode],
-        share: Share<'_>,
-    ) -> Result<Option<Stiffness>, LinearError> {
+    pub(super) fn stiffness(&self, contacts: &[ContactNode], share: Share<'_>) -> Computed<Option<Stiffness>> {
         let Some(is_contact) = alone_with_contact(&self.mesh, &self.dofs, contacts) else { return Ok(None) };
         let mut near = is_contact.clone();
         for cell in self.mesh.cells.iter().filter(|cell| cell.nodes.iter().any(|node| is_contact[*node])) {

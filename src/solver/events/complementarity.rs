@@ -22,7 +22,7 @@
 
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus};
 use super::rate_problem::{RateProblem, RateSearch};
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::Computed;
 
 /// The kind of the unknowns.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -95,7 +95,7 @@ impl RateSearch<'_> {
         unknowns: Unknowns,
         statuses: &[NodeStatus],
         concerned: &[usize],
-    ) -> Result<Option<Vec<NodeStatus>>, LinearError> {
+    ) -> Computed<Option<Vec<NodeStatus>>> {
         let problem = self.problem;
         let mut base = statuses.to_vec();
         for &i in concerned {

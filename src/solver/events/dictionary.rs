@@ -18,7 +18,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use super::coordinates::Coordinates;
 use super::node::{Given, NodalContact, NodeStatus, largest};
 use super::tangent::{Snapshot, Tangent};
-use crate::algebra::linear::{LinearError, Statistics};
+use crate::algebra::linear::{Computed, Statistics};
 use crate::algebra::vector::dot;
 use crate::base::units::Scaling;
 use crate::solver::problem::ContactProblem;
@@ -62,7 +62,7 @@ impl Dictionary {
         problem: &ContactProblem,
         tangents: &[Option<usize>],
         scaling: Scaling,
-    ) -> Result<Option<Self>, LinearError> {
+    ) -> Computed<Option<Self>> {
         let Some(coordinates) = Coordinates::new(problem, tangents) else { return Ok(None) };
         let n = coordinates.order();
         let mut entries = vec![0.0; n * n];
@@ -285,7 +285,7 @@ impl Dictionary {
 }
 
 impl Tangent for Dictionary {
-    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Computed<bool> {
         let changed: Vec<usize> = if self.table.is_empty() {
             (0..statuses.len()).collect()
         } else {
@@ -299,7 +299,7 @@ impl Tangent for Dictionary {
         Ok(self.renew(statuses))
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Computed<bool> {
         if self.table.is_empty() && self.coordinates.order() > 0 {
             return Ok(false);
         }
@@ -364,7 +364,7 @@ impl Tangent for Dictionary {
         Snapshot { statuses: self.statuses.clone(), table: self.table.clone(), statistics: self.statistics }
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: &Snapshot) -> Computed<bool> {
         let n = self.coordinates.order();
         let fits =
             [0, n * n].contains(&snapshot.table.len()) && (snapshot.table.is_empty() || !snapshot.statuses.is_empty());

@@ -7,7 +7,7 @@ use super::rate_problem::{Effort, RATE_ROUNDING, RateProblem, RateSearch};
 use super::stretch::{PathLoads, Stretch};
 use super::tangent::{Refined, Snapshot, SparseTangent, Tangent};
 use super::{Equations, Event, PathEnd, PathError, PathSegment, SegmentEnd};
-use crate::algebra::linear::{LinearError, Statistics};
+use crate::algebra::linear::{Computed, LinearError, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
 use crate::solver::loading::Loading;
@@ -114,7 +114,7 @@ impl<'a> ExactPath<'a> {
     /// Sets the initial statuses. Nodes that touch start closed: if contact alone holds the body, all other statuses
     /// would be singular. Such a body first moves as a rigid body under the first loads, however small, until it
     /// comes to rest.
-    fn begin(&mut self) -> Result<(), LinearError> {
+    fn begin(&mut self) -> Computed<()> {
         let landing = if is_carried_without_strain(self.loads.problem)? { self.landing() } else { None };
         let gap = &self.now.stretch.at.gap;
         let nodes = match landing {
@@ -207,7 +207,7 @@ impl<'a> ExactPath<'a> {
     ///
     /// # Errors
     /// If the linear solver fails.
-    pub(crate) fn response(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+    pub(crate) fn response(&mut self, forces: &[f64]) -> Computed<State> {
         let zeros = || vec![0.0; self.now.statuses.len()];
         let force = forces.iter().map(|f| f / self.loads.scaling.force).collect();
         let mut change = NodalContact::zero(self.now.statuses.len());
@@ -226,7 +226,7 @@ impl<'a> ExactPath<'a> {
     ///
     /// # Errors
     /// If the linear solver fails.
-    pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Result<bool, LinearError> {
+    pub(crate) fn resume(&mut self, saved: SavedExactPath) -> Computed<bool> {
         let fits = saved.fits(self.now.at.u.len(), self.now.statuses.len());
         if !fits || !self.equations.restore(&saved.equations)? {
             return Ok(false);

@@ -10,7 +10,7 @@
 use super::complementarity::Unknowns;
 use super::node::{AdmissibleTransition, NodeStatus};
 use super::rate_problem::{Breach, RATE_ROUNDING, RateSearch, largest_breach};
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::Computed;
 
 /// The largest relative breach that is accepted if no better statuses are found: a rate problem that is nearly
 /// singular.
@@ -45,7 +45,7 @@ pub(super) enum Found {
 
 impl RateSearch<'_> {
     /// Finds `statuses` and their rates, starting from a guess.
-    pub(super) fn solve(&mut self, statuses: &mut Vec<NodeStatus>) -> Result<Found, LinearError> {
+    pub(super) fn solve(&mut self, statuses: &mut Vec<NodeStatus>) -> Computed<Found> {
         if self.by_correction(statuses)? {
             return Ok(Found::Rates);
         }
@@ -83,7 +83,7 @@ impl RateSearch<'_> {
     }
 
     /// Corrects statuses whose rates break a law: all at once, then one by one if this cycles.
-    fn by_correction(&mut self, statuses: &mut [NodeStatus]) -> Result<bool, LinearError> {
+    fn by_correction(&mut self, statuses: &mut [NodeStatus]) -> Computed<bool> {
         let concerned = self.problem.may.iter().filter(|may| **may != AdmissibleTransition::Stay).count();
         let mut visited: Vec<Vec<NodeStatus>> = Vec::new();
         let mut tried = vec![[0_usize; 4]; statuses.len()];
@@ -125,7 +125,7 @@ impl RateSearch<'_> {
     }
 
     /// Tries all statuses of the nodes `concerned`.
-    fn by_enumeration(&mut self, statuses: &mut [NodeStatus], concerned: &[usize]) -> Result<Tried, LinearError> {
+    fn by_enumeration(&mut self, statuses: &mut [NodeStatus], concerned: &[usize]) -> Computed<Tried> {
         let choices: Vec<Vec<NodeStatus>> = concerned.iter().map(|&i| self.choices(i)).collect();
         let all = choices.iter().map(Vec::len).product::<usize>();
         let before = statuses.to_vec();

@@ -2,7 +2,7 @@
 
 use super::node::{AdmissibleTransition, Given, NodalContact, NodeStatus, largest};
 use super::tangent::Tangent;
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::Computed;
 use crate::solver::problem::ContactProblem;
 use serde::{Deserialize, Serialize};
 
@@ -61,13 +61,13 @@ pub struct Effort {
 
 impl RateSearch<'_> {
     /// Returns the largest breach of the rates of these statuses, or `None` if they have no rates.
-    pub(super) fn try_out(&mut self, statuses: &[NodeStatus]) -> Result<Option<f64>, LinearError> {
+    pub(super) fn try_out(&mut self, statuses: &[NodeStatus]) -> Computed<Option<f64>> {
         let breaches = self.rates(statuses)?.then(|| self.problem.breaches(statuses, self.rate));
         Ok(breaches.map(|breaches| largest_breach(&breaches)))
     }
 
     /// Computes the rates of these statuses. Returns `true` if they have any.
-    pub(super) fn rates(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    pub(super) fn rates(&mut self, statuses: &[NodeStatus]) -> Computed<bool> {
         self.effort.solves += 1;
         Ok(self.tangent.set_statuses(statuses)? && self.tangent.solve(self.problem.given, self.rate)?)
     }

@@ -10,7 +10,7 @@
 //! same equations give the correction.
 
 use super::node::{Given, NodalContact, NodeStatus, largest};
-use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver, Statistics};
 use crate::base::units::Scaling;
 use crate::solver::formulation::{Bdiff, FormulationScaling};
 use crate::solver::laws::coulomb::{NormalCase, TangentialCase};
@@ -41,14 +41,14 @@ pub(super) trait Tangent {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError>;
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Computed<bool>;
 
     /// Solves the equations for the current statuses and writes the solution to `answer`. Returns `true` if it
     /// satisfies them.
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError>;
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Computed<bool>;
 
     /// Returns the statistics of the linear solver.
     fn statistics(&self) -> Statistics;
@@ -60,7 +60,7 @@ pub(super) trait Tangent {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError>;
+    fn restore(&mut self, snapshot: &Snapshot) -> Computed<bool>;
 }
 
 /// A solution counts as that of a singular system if its rows are violated by more than this share of their largest
@@ -92,7 +92,7 @@ impl<'a> SparseTangent<'a> {
         tangents: Vec<Option<usize>>,
         scaling: Scaling,
         linear: &'a mut RefinedSolver,
-    ) -> Result<Self, LinearError> {
+    ) -> Computed<Self> {
         let conventions = FormulationScaling::natural(problem);
         let mut rows = Bdiff::new(problem, scaling, &conventions);
         rows.clamp_contacts();
@@ -108,7 +108,7 @@ impl<'a> SparseTangent<'a> {
 }
 
 impl Tangent for SparseTangent<'_> {
-    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Computed<bool> {
         let tangents = &self.tangents;
         self.rows.set_cases(statuses.iter().enumerate().map(|(i, status)| {
             let normal = if status.is_closed() { NormalCase::Closed } else { NormalCase::Open };
@@ -137,7 +137,7 @@ impl Tangent for SparseTangent<'_> {
         Ok(self.regular)
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Computed<bool> {
         if !self.regular {
             return Ok(false);
         }
@@ -181,7 +181,7 @@ impl Tangent for SparseTangent<'_> {
     }
 
     /// Factors the matrix of the snapshot's statuses alone, since intermediate statuses may be singular.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: &Snapshot) -> Computed<bool> {
         if !snapshot.statuses.is_empty() {
             self.set_statuses(&snapshot.statuses)?;
         }
@@ -237,7 +237,7 @@ impl<'a> Refined<'a> {
     }
 
     /// Returns the residual of a solution for the `given` data.
-    fn residual(&self, given: &Given, of: &NodalContact) -> Result<Given, LinearError> {
+    fn residual(&self, given: &Given, of: &NodalContact) -> Computed<Given> {
         let Scaling { force, length } = self.scaling;
         let state = self.state(of);
         let load: Vec<f64> = given.force.iter().map(|f| f * force).collect();
@@ -262,12 +262,12 @@ impl<'a> Refined<'a> {
 }
 
 impl Tangent for Refined<'_> {
-    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Result<bool, LinearError> {
+    fn set_statuses(&mut self, statuses: &[NodeStatus]) -> Computed<bool> {
         self.statuses = statuses.to_vec();
         self.equations.set_statuses(statuses)
     }
 
-    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Result<bool, LinearError> {
+    fn solve(&mut self, given: &Given, answer: &mut NodalContact) -> Computed<bool> {
         if !self.equations.solve(given, answer)? {
             return Ok(false);
         }
@@ -304,7 +304,7 @@ impl Tangent for Refined<'_> {
         Snapshot { statuses: self.statuses.clone(), ..self.equations.snapshot() }
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: &Snapshot) -> Computed<bool> {
         self.statuses.clone_from(&snapshot.statuses);
         self.equations.restore(snapshot)
     }

@@ -7,7 +7,7 @@
 
 mod free;
 
-use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::linear::{Computed, SystemMatrix};
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::solver::laws::coulomb::{
     DirectionalDerivative, NormalCase, TangentialCase, direction, length, normal_case, normal_case_ahead,
@@ -207,7 +207,7 @@ impl Bdiff {
     ///
     /// # Errors
     /// If a rank that shares the stiffness has failed.
-    pub fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
+    pub fn residual(&self, z: &[f64], h: &mut [f64]) -> Computed<()> {
         let data = &self.data;
         // The equilibrium rows of the Jacobian are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         self.matrix.matrix().mul(z, h)?;
@@ -226,7 +226,7 @@ impl Bdiff {
     ///
     /// # Errors
     /// As [`Bdiff::residual`].
-    pub fn residual_dd(&self, z: &[f64], z_lo: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
+    pub fn residual_dd(&self, z: &[f64], z_lo: &[f64], h: &mut [f64]) -> Computed<()> {
         let mut sums = vec![DoubleDouble::default(); h.len()];
         let n = self.layout().displacements();
         let (mut strained, mut strained_lo) = strained(&self.data.rigid_modes, &z[..n], &z_lo[..n]);
@@ -359,7 +359,7 @@ impl Bdiff {
     ///
     /// # Errors
     /// As [`Bdiff::residual`].
-    pub fn residual_of_cases(&self, z: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub fn residual_of_cases(&self, z: &[f64]) -> Computed<Vec<f64>> {
         let Bdiff { data, rows, .. } = self;
         let mut h = vec![0.0; z.len()];
         self.residual(z, &mut h)?;

@@ -5,7 +5,7 @@ use super::mixed::MixedMatrix;
 use super::natural::{NaturalRows, half_square};
 use super::scaled::ScaledData;
 use super::{Assembled, FormulationScaling, Layout};
-use crate::algebra::linear::{LinearError, SystemMatrix};
+use crate::algebra::linear::{Computed, SystemMatrix};
 use crate::base::units::Scaling;
 use crate::solver::problem::Increment;
 
@@ -95,7 +95,7 @@ pub trait InteriorPoint: Send {
     ///
     /// # Errors
     /// If a rank that shares the stiffness has failed.
-    fn residual(&self, z: &[f64], h: &mut [f64]) -> Result<(), LinearError> {
+    fn residual(&self, z: &[f64], h: &mut [f64]) -> Computed<()> {
         let (paired, matrix) = (self.paired(), self.matrix());
         // The equilibrium rows of the matrix are constant: K u + C_nᵀ p_n + C_tᵀ p_t + C_oᵀ p_o - f.
         let n = matrix.order();

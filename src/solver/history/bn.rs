@@ -5,7 +5,7 @@ use super::method::Method;
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::linear::{Computed, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::loading::Loading;
@@ -72,12 +72,7 @@ impl BnMethod {
 
     /// Takes the data of an increment, with the rate of the solution at its start; on the tangent there, if nothing has
     /// changed the solution `from` since the last increment ended there.
-    pub(super) fn begin(
-        &mut self,
-        task: &Task<'_>,
-        from: Option<&[f64]>,
-        linear: &mut RefinedSolver,
-    ) -> Result<(), LinearError> {
+    pub(super) fn begin(&mut self, task: &Task<'_>, from: Option<&[f64]>, linear: &mut RefinedSolver) -> Computed<()> {
         let BnMethod { formulation, bn, errors, z, .. } = self;
         formulation.begin(task.increment, z);
         self.ahead = match from {
@@ -96,14 +91,14 @@ impl BnMethod {
     }
 
     /// Updates the estimated time-step error after the increment that ends at the present solution.
-    pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Result<(), LinearError> {
+    pub(super) fn follow(&mut self, problem: &ContactProblem, linear: &mut RefinedSolver) -> Computed<()> {
         let BnMethod { formulation, bn, z, errors, rate, .. } = self;
         let (rate, at) = (rate.take(), &mut ErrorEquations { formulation, bn, linear });
         errors.as_mut().map_or(Ok(()), |errors| errors.follow(rate.as_ref(), problem.weight(), at, z))
     }
 
     /// Returns `true` if the response of the body with clamped contact nodes already solves the increment.
-    fn is_solved(&self, task: &Task<'_>) -> Result<bool, LinearError> {
+    fn is_solved(&self, task: &Task<'_>) -> Computed<bool> {
         let mut z = self.z.clone();
         task.response.add_to(&mut z);
         let state = self.formulation.layout().unpacked(&z, self.formulation.scaling());
@@ -144,12 +139,7 @@ impl IncrementSolver for BnMethod {
         is_at_end && !self.closes && self.bn.has_factors(linear) && self.formulation.has_tangent()
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut RefinedSolver, observe: Observe<'_>) -> Computed<MethodResult> {
         let solved = self.closes && self.is_solved(task)?;
         if self.closes && !solved {
             self.close_landed(task);
@@ -201,7 +191,7 @@ impl IncrementSolver for BnMethod {
         start: &[f64],
         cases: &[(bool, TangentialCase)],
         linear: &mut RefinedSolver,
-    ) -> Result<Option<State>, LinearError> {
+    ) -> Computed<Option<State>> {
         let BnMethod { formulation, bn, .. } = self;
         let (layout, scaling) = (formulation.layout().clone(), *formulation.scaling());
         if self.ahead.is_none() {
@@ -245,7 +235,7 @@ impl IncrementSolver for BnMethod {
         }
     }
 
-    fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: Snapshot, linear: &mut RefinedSolver) -> Computed<bool> {
         let Snapshot { unknowns, z_lo, last, errors, linearization, is_factored, .. } = snapshot;
         let n = self.z.len();
         let errors_fit = match (&self.errors, &errors) {
@@ -271,7 +261,7 @@ pub(super) fn ahead(
     bn: &mut Bn,
     linear: &mut RefinedSolver,
     z: &[f64],
-) -> Result<Option<Vec<f64>>, LinearError> {
+) -> Computed<Option<Vec<f64>>> {
     if !formulation.has_tangent() {
         return Ok(None);
     }

@@ -4,7 +4,7 @@
 //! slender bodies, the whole system is refined: its imbalance is condensed, the change of the contact displacements is
 //! solved for with the linearisation of the recovered state, and the change of the interior follows.
 
-use crate::algebra::linear::{LinearError, componentwise_error};
+use crate::algebra::linear::{Computed, LinearError, componentwise_error};
 use crate::algebra::sparse::sum;
 use crate::solver::condensation::Condensed;
 use crate::solver::laws::{Judgement, KktScales};
@@ -57,7 +57,7 @@ impl<'a> Body<'a> {
     }
 
     /// Recovers the state of the body at `time` (s) from the method's `state` under the external `force`.
-    pub(super) fn recovered(self, time: f64, state: State, force: &[f64]) -> Result<RecoveredState, LinearError> {
+    pub(super) fn recovered(self, time: f64, state: State, force: &[f64]) -> Computed<RecoveredState> {
         let problem = self.problem;
         let Some(condensed) = self.condensed else {
             return Ok(RecoveredState { imbalance: problem.imbalance(force, &state)?, backward_error: 0.0, state });
@@ -74,7 +74,7 @@ impl<'a> Body<'a> {
         recovered: RecoveredState,
         (increment, scales, tolerance): (&Increment<'_>, &KktScales, f64),
         contact: &mut dyn Responds,
-    ) -> Result<RecoveredState, LinearError> {
+    ) -> Computed<RecoveredState> {
         let Body { problem, condensed: Some(condensed), .. } = self else { return Ok(recovered) };
         let (mut reached, force) = (recovered, increment.force);
         for refinement in 0..REFINEMENTS {
@@ -110,7 +110,7 @@ impl<'a> Body<'a> {
 
 impl RecoveredState {
     /// Adds the backward error to a state under the external `force`.
-    fn of(problem: &ContactProblem, state: State, force: &[f64], imbalance: Vec<f64>) -> Result<Self, LinearError> {
+    fn of(problem: &ContactProblem, state: State, force: &[f64], imbalance: Vec<f64>) -> Computed<Self> {
         let stiffness = problem.stiffness().assembled()?;
         let mut sizes = vec![0.0; state.u.len()];
         stiffness.add_sizes(&state.u, &mut sizes);
@@ -130,12 +130,7 @@ impl RecoveredState {
 }
 
 /// Corrects a state of the body by the response to its imbalance.
-fn correct(
-    condensed: &Condensed,
-    imbalance: &[f64],
-    state: &mut State,
-    contact: &mut dyn Responds,
-) -> Result<(), LinearError> {
+fn correct(condensed: &Condensed, imbalance: &[f64], state: &mut State, contact: &mut dyn Responds) -> Computed<()> {
     let forces = condensed.reduce(&imbalance.iter().map(|r| -r).collect::<Vec<_>>())?;
     let change = contact.respond(&condensed.on_contact(&forces))?;
     let du = condensed.displacements(&forces, &change.u)?;
@@ -155,10 +150,10 @@ fn correct(
 /// The response of a condensed problem to forces while no node changes its status.
 pub(super) trait Responds {
     /// Returns `true` if the statuses hold the body, so that a response exists.
-    fn is_regular(&mut self) -> Result<bool, LinearError>;
+    fn is_regular(&mut self) -> Computed<bool>;
 
     /// Returns the change of the state due to forces on its displacements (N).
-    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError>;
+    fn respond(&mut self, forces: &[f64]) -> Computed<State>;
 
     /// Adds the last response to the state.
     fn add_response(&mut self);

@@ -9,7 +9,7 @@ use super::settings::HistorySettings;
 use super::state::{HistoryState, Step};
 use super::system::{SystemSolver, statistics};
 use super::{Error, HistoryOutcome, Slip, check_times};
-use crate::algebra::linear::{LinearError, RefinedSolver, Statistics};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver, Statistics};
 use crate::solver::checkpoint::CheckpointError;
 use crate::solver::condensation::Condensed;
 use crate::solver::events::{Equations, Event, ExactPath, PathError, SegmentEnd};
@@ -212,7 +212,7 @@ impl ExactHistory<'_> {
         stop: SegmentEnd,
         step_start: &StepStart,
         in_progress: &mut IncrementSoFar,
-    ) -> Result<(), LinearError> {
+    ) -> Computed<()> {
         let (problem, _) = self.body.solved();
         let (state, now) = (self.path.state(), self.path.time());
         let data = StepData::of(problem, now, self.path.given(), step_start);
@@ -274,7 +274,7 @@ impl ExactHistory<'_> {
         data: &StepData,
         balanced: RecoveredState,
         status: Option<Status>,
-    ) -> Result<ControlFlow<()>, LinearError> {
+    ) -> Computed<ControlFlow<()>> {
         let (problem, tolerance) = (self.body.problem, self.settings.tolerance);
         let RecoveredState { state, backward_error, .. } = balanced;
         let increment = data.increment();
@@ -319,11 +319,11 @@ impl ExactHistory<'_> {
 
 /// Between two events an exact path responds as its rates do.
 impl Responds for ExactPath<'_> {
-    fn is_regular(&mut self) -> Result<bool, LinearError> {
+    fn is_regular(&mut self) -> Computed<bool> {
         Ok(true)
     }
 
-    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+    fn respond(&mut self, forces: &[f64]) -> Computed<State> {
         self.response(forces)
     }
 

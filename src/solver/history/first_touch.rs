@@ -21,7 +21,7 @@ use super::increment::{IncrementDriver, Rollback, SubstepInput};
 use super::stage::Stage;
 use super::state::Step;
 use super::task::Observe;
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, RefinedSolver};
 use crate::solver::laws::coulomb::{TangentialCase, length, tangential_case};
 use crate::solver::newton::{MethodResult, Termination};
 use crate::solver::problem::State;
@@ -57,7 +57,7 @@ impl IncrementDriver<'_> {
         (input, start): (&SubstepInput, &Rollback),
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<Option<(Option<f64>, MethodResult)>, LinearError> {
+    ) -> Computed<Option<(Option<f64>, MethodResult)>> {
         let Body { problem, loading, .. } = self.body;
         let (p_n, gaps) = (&substep.state.p_n, loading.gaps_at(from));
         let mut force = vec![0.0; problem.displacements()];

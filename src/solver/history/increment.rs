@@ -23,7 +23,7 @@ use super::stage::{Linearized, Stage};
 use super::state::{HistoryState, IncrementInProgress, RigidOffset, Step};
 use super::task::{Observe, Task};
 use super::{Slip, Status, record};
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::solver::laws::{ContactStatus, Judgement, KktScales, statuses_of};
 use crate::solver::newton::{Iteration, MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, Increment, State};
@@ -195,7 +195,7 @@ impl IncrementDriver<'_> {
         time: f64,
         linear: &mut RefinedSolver,
         progress: &mut IncrementObserver<'_>,
-    ) -> Result<IncrementEnd, LinearError> {
+    ) -> Computed<IncrementEnd> {
         let so_far = self.history.in_progress.take();
         let mut so_far = so_far.unwrap_or_else(|| IncrementInProgress::new(self.history.reached.unwrap_or(0.0), time));
         let length = time - so_far.start;
@@ -285,7 +285,7 @@ impl IncrementDriver<'_> {
         time: f64,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<(Step, SubstepInput), LinearError> {
+    ) -> Computed<(Step, SubstepInput)> {
         let input = self.pose(time);
         let outcome = self.solve(time, &input, linear, observe)?;
         Ok((self.conclude(time, &input.scales, outcome, linear)?, input))
@@ -331,7 +331,7 @@ impl IncrementDriver<'_> {
         input: &SubstepInput,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         let IncrementDriver { body, settings, .. } = *self;
         let problem = body.problem;
         let load = Load { force: &self.stage.force, sizes: &input.sizes };
@@ -380,7 +380,7 @@ impl IncrementDriver<'_> {
         scales: &KktScales,
         outcome: MethodResult,
         linear: &mut RefinedSolver,
-    ) -> Result<Step, LinearError> {
+    ) -> Computed<Step> {
         let Stage { force, gap, mu, w_t_last, w_o_last, method, .. } = &mut *self.stage;
         let recovered = self.body.recovered(time, method.state(), force)?;
         let (method, problem, scaling) = (method.as_mut(), self.body.solved().0, self.settings.scaling);
@@ -404,7 +404,7 @@ impl IncrementDriver<'_> {
     ///
     /// The set at least doubles each time, which bounds the number of restarts. A failure not caused by missing nodes is
     /// reported only after all nodes have been included.
-    fn missing_nodes(&self, substep: &Step) -> Result<Option<MissingNodes>, LinearError> {
+    fn missing_nodes(&self, substep: &Step) -> Computed<Option<MissingNodes>> {
         let (problem, data, tolerance) = (self.body.problem, self.data(), self.settings.tolerance);
         let Some(nodes) = self.body.nodes() else { return Ok(None) };
         if is_solution(&substep.kkt, tolerance) || substep.solved.stop == Termination::Interrupted {
@@ -466,7 +466,7 @@ impl IncrementDriver<'_> {
     }
 
     /// Returns `true` if a smaller substep could converge.
-    fn smaller_may_do(&self, substep: &Step) -> Result<bool, LinearError> {
+    fn smaller_may_do(&self, substep: &Step) -> Computed<bool> {
         match substep.status {
             Status::Converged
             | Status::Interrupted

@@ -19,7 +19,7 @@
 //! its end. An increment in which the first nodes touch and slide costs another factorisation.
 
 use super::body::Body;
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::{TangentialCase, length, positive};
@@ -161,7 +161,7 @@ pub(super) struct ErrorEquations<'a> {
 impl ErrorEquations<'_> {
     /// Linearises and factors for these cases, unless the last linearisation has them. Returns `true` if the matrix is
     /// regular.
-    fn linearize_for(&mut self, cases: &[(bool, TangentialCase)]) -> Result<bool, LinearError> {
+    fn linearize_for(&mut self, cases: &[(bool, TangentialCase)]) -> Computed<bool> {
         if self.bn.has_factors(self.linear) && self.formulation.is_linearized_for(cases) {
             return Ok(true);
         }
@@ -176,7 +176,7 @@ impl ErrorEquations<'_> {
         force: impl IntoIterator<Item = f64>,
         gap: &[f64],
         origin: &[[f64; 2]],
-    ) -> Result<Option<Vec<f64>>, LinearError> {
+    ) -> Computed<Option<Vec<f64>>> {
         let b = self.formulation.change(force, gap, origin);
         let mut x = vec![0.0; b.len()];
         match self.linear.solve_roughly(&b, &mut x) {
@@ -280,11 +280,7 @@ impl IncrementErrors {
     }
 
     /// Returns the initial rate of the next increment, if it is needed and can be computed.
-    pub(super) fn rate(
-        &self,
-        increment: &Increment<'_>,
-        at: &mut ErrorEquations<'_>,
-    ) -> Result<Option<Rate>, LinearError> {
+    pub(super) fn rate(&self, increment: &Increment<'_>, at: &mut ErrorEquations<'_>) -> Computed<Option<Rate>> {
         if !self.is_straight {
             return Ok(None);
         }
@@ -337,7 +333,7 @@ impl IncrementErrors {
         weight: Option<&[f64]>,
         at: &mut ErrorEquations<'_>,
         z: &[f64],
-    ) -> Result<(), LinearError> {
+    ) -> Computed<()> {
         let formulation = &*at.formulation;
         let layout = formulation.layout().clone();
         let turned = self.turn(formulation);
@@ -417,7 +413,7 @@ impl IncrementErrors {
         weight: Option<&[f64]>,
         at: &mut ErrorEquations<'_>,
         z: &[f64],
-    ) -> Result<f64, LinearError> {
+    ) -> Computed<f64> {
         let slips = |node: &Node| matches!(node.case, TangentialCase::Slip { .. });
         // Slipping nodes may stick when loads change direction; then the rate along their cases is wrong.
         let is_led = !(turned && self.nodes.iter().any(slips));
@@ -479,7 +475,7 @@ impl IncrementErrors {
         cases: &[(bool, TangentialCase)],
         begins: &[Begin],
         at: &mut ErrorEquations<'_>,
-    ) -> Result<Option<Vec<f64>>, LinearError> {
+    ) -> Computed<Option<Vec<f64>>> {
         let moved = |((node, (_, case)), begin): ((&Node, &(bool, TangentialCase)), &Begin)| match case {
             TangentialCase::Stick => [0, 1].map(|d| node.error_w[d] + begin.delta[d]),
             _ => [0.0; 2],

@@ -4,7 +4,7 @@ use super::method::Start;
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::linear::{Computed, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::{Constrained, InteriorPoint, Pair, Partition, SlackLayout};
 use crate::solver::newton::{Ip, IpSettings, MethodResult, Termination};
 use crate::solver::problem::{ContactProblem, State};
@@ -42,7 +42,7 @@ impl IpMethod {
         settings: &IpSettings,
         linear: &mut RefinedSolver,
         observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         self.ip.solve(settings, &mut self.formulation, linear, &mut self.z, observe)
     }
 }
@@ -61,12 +61,7 @@ impl IncrementSolver for IpMethod {
         self.formulation.unconstrained_mode().map_or(Ok(()), Err)
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut RefinedSolver, observe: Observe<'_>) -> Computed<MethodResult> {
         self.formulation.begin(task.increment, &self.z);
         task.response.add_to(&mut self.z);
         let settings = self.settings;
@@ -115,7 +110,7 @@ impl IncrementSolver for IpMethod {
         Snapshot { unknowns: self.z.clone(), ..Snapshot::default() }
     }
 
-    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Computed<bool> {
         Ok(take_over(&mut self.z, &snapshot.unknowns))
     }
 }

@@ -3,7 +3,7 @@
 use super::saved::{Snapshot, take_over};
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Response, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::linear::{Computed, RefinedSolver, SystemMatrix};
 use crate::algebra::vector::median;
 use crate::solver::formulation::{
     Assembled, Bdiff, ConeSystem, Constrained, FormulationScaling, InteriorPoint, Partition,
@@ -117,12 +117,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         self.formulation.unconstrained_mode().map_or(Ok(()), Err)
     }
 
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut RefinedSolver, observe: Observe<'_>) -> Computed<MethodResult> {
         self.formulation.begin(task.increment, &self.z);
         self.end.formulation.begin(task.increment, &self.z);
         let scaling = *self.formulation.scaling();
@@ -188,7 +183,7 @@ impl IncrementSolver for PredictorCorrectorMethod {
         Snapshot { unknowns: self.z.clone(), z_lo: self.z_lo.clone(), linearization, ..Snapshot::default() }
     }
 
-    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Computed<bool> {
         let Snapshot { unknowns, z_lo, linearization, .. } = snapshot;
         let end = linearization.is_some_and(|kept| self.end.formulation.linearize_as(&kept));
         Ok(take_over(&mut self.z, &unknowns) && take_over(&mut self.z_lo, &z_lo) && end)
@@ -220,7 +215,7 @@ impl NewtonEnd {
         z: &[f64],
         left: usize,
         observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         let NewtonEnd { formulation, bn, z: own } = self;
         bn.limit(left.min(ITERATIONS));
         own.copy_from_slice(&z[..formulation.unknowns()]);

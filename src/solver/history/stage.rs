@@ -5,7 +5,7 @@ use super::body::{Body, Responds};
 use super::settings::HistorySettings;
 use super::state::HistoryState;
 use super::task::{Algorithm, IncrementSolver, Response};
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::base::units::Scaling;
 use crate::solver::formulation::Layout;
 use crate::solver::laws::coulomb::length;
@@ -39,7 +39,7 @@ impl Stage {
         settings: &HistorySettings,
         algorithm: &dyn Algorithm,
         linear: &mut RefinedSolver,
-    ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
+    ) -> Computed<Result<Self, Option<Vec<f64>>>> {
         let (problem, (own, loads)) = (body.problem, body.solved());
         let mut method = algorithm.start(own, loads);
         linear.analyze(method.matrix())?;
@@ -69,7 +69,7 @@ impl Stage {
         settings: &HistorySettings,
         (from, to): (Option<f64>, f64),
         linear: &mut RefinedSolver,
-    ) -> Result<Option<Response>, LinearError> {
+    ) -> Computed<Option<Response>> {
         if self.clamped.is_none() {
             if self.method.starts_on_tangent(linear) {
                 return Ok(Some(Response::default()));
@@ -85,7 +85,7 @@ impl Stage {
         body: Body<'_>,
         settings: &HistorySettings,
         linear: &mut RefinedSolver,
-    ) -> Result<(), LinearError> {
+    ) -> Computed<()> {
         self.clamped = ClampedBody::new(self.method.as_mut(), body, &settings.scaling, linear)?.ok();
         Ok(())
     }
@@ -112,7 +112,7 @@ pub(super) struct Linearized<'m> {
 }
 
 impl Responds for Linearized<'_> {
-    fn is_regular(&mut self) -> Result<bool, LinearError> {
+    fn is_regular(&mut self) -> Computed<bool> {
         self.method.linearize();
         match self.linear.factorize(self.method.linearization()) {
             Ok(_) => Ok(true),
@@ -121,7 +121,7 @@ impl Responds for Linearized<'_> {
         }
     }
 
-    fn respond(&mut self, forces: &[f64]) -> Result<State, LinearError> {
+    fn respond(&mut self, forces: &[f64]) -> Computed<State> {
         let n = self.method.linearization().order();
         let mut rhs = vec![0.0; n];
         rhs.iter_mut().zip(forces).for_each(|(b, force)| *b = force / self.scaling.force);
@@ -152,7 +152,7 @@ impl ClampedBody {
         body: Body<'_>,
         scaling: &Scaling,
         linear: &mut RefinedSolver,
-    ) -> Result<Result<Self, Option<Vec<f64>>>, LinearError> {
+    ) -> Computed<Result<Self, Option<Vec<f64>>>> {
         let (problem, loading) = body.solved();
         if let Err(motion) = method.clamp_contacts() {
             return Ok(Err(Some(motion)));

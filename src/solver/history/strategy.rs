@@ -37,7 +37,7 @@ use super::predictor_corrector::PredictorCorrectorMethod;
 use super::saved::Snapshot;
 use super::settings::HistorySettings;
 use super::task::{IncrementSolver, Observe, Task};
-use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::linear::{Computed, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Bdiff;
 use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::newton::{Armijo, Bn, MethodResult, StopCriterion, Termination};
@@ -103,7 +103,7 @@ impl Strategy {
         last: &State,
         p_n: &[f64],
         observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         let (problem, increment) = (task.problem, task.increment);
         let excess = |p_n: &[f64], motion: &[f64]| excess(problem, increment.mu, increment.force, p_n, motion);
         let mut formulation = Bdiff::on(self.bn.formulation.assembled(), &self.settings.conventions);
@@ -178,12 +178,7 @@ impl IncrementSolver for Strategy {
     }
 
     /// Makes one attempt after the other, each from the last solution, until one solves the increment.
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError> {
+    fn solve(&mut self, task: &Task<'_>, linear: &mut RefinedSolver, observe: Observe<'_>) -> Computed<MethodResult> {
         let last = if task.first { State::zero(task.problem) } else { self.bn.state() };
         // The forces that clamp the nodes are the first estimate of the pressures.
         let clamping = || task.response.p_n(last.p_n.len()).iter().map(|p| p * self.settings.scaling.force).collect();
@@ -264,7 +259,7 @@ impl IncrementSolver for Strategy {
         start: &[f64],
         cases: &[(bool, TangentialCase)],
         linear: &mut RefinedSolver,
-    ) -> Result<Option<State>, LinearError> {
+    ) -> Computed<Option<State>> {
         self.bn.ahead(start, cases, linear)
     }
 
@@ -285,7 +280,7 @@ impl IncrementSolver for Strategy {
         Snapshot { rescue, ..self.bn.snapshot(linear) }
     }
 
-    fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, mut snapshot: Snapshot, linear: &mut RefinedSolver) -> Computed<bool> {
         if let Some(rescue) = snapshot.rescue.take() {
             let ip = self.ip.insert(PredictorCorrectorMethod::beside(self.bn.formulation.assembled(), &self.settings));
             if !ip.restore(*rescue, linear)? {

@@ -2,7 +2,7 @@
 
 use super::increment_error::IncrementErrors;
 use super::saved::Snapshot;
-use crate::algebra::linear::{LinearError, RefinedSolver, SystemMatrix};
+use crate::algebra::linear::{Computed, RefinedSolver, SystemMatrix};
 use crate::solver::formulation::Layout;
 use crate::solver::laws::coulomb::TangentialCase;
 use crate::solver::laws::{Judgement, KktScales};
@@ -35,7 +35,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// If a rank that shares the stiffness has failed.
-    pub fn error(&self, state: &State) -> Result<f64, LinearError> {
+    pub fn error(&self, state: &State) -> Computed<f64> {
         self.error_of(self.increment, state)
     }
 
@@ -44,7 +44,7 @@ impl Task<'_> {
     ///
     /// # Errors
     /// As [`Task::error`].
-    pub(super) fn error_of_yielding_nodes(&self, state: &State, before: &State) -> Result<f64, LinearError> {
+    pub(super) fn error_of_yielding_nodes(&self, state: &State, before: &State) -> Computed<f64> {
         let compliance = &self.problem.natural().compliance;
         let Increment { gap, w_t_last, w_o_last, .. } = self.increment;
         let nodes = || 0..compliance.len();
@@ -58,7 +58,7 @@ impl Task<'_> {
         self.error_of(&increment, state)
     }
 
-    pub(super) fn error_of(&self, increment: &Increment<'_>, state: &State) -> Result<f64, LinearError> {
+    pub(super) fn error_of(&self, increment: &Increment<'_>, state: &State) -> Computed<f64> {
         let judgement = Judgement::near(self.problem, increment, state, self.scales, self.tolerance)?;
         Ok(judgement.errors().worst().1)
     }
@@ -130,12 +130,7 @@ pub trait IncrementSolver: Send {
     /// # Errors
     /// If the linear solver fails. A method that does not converge is no error, but is reported in the
     /// [`MethodResult`].
-    fn solve(
-        &mut self,
-        task: &Task<'_>,
-        linear: &mut RefinedSolver,
-        observe: Observe<'_>,
-    ) -> Result<MethodResult, LinearError>;
+    fn solve(&mut self, task: &Task<'_>, linear: &mut RefinedSolver, observe: Observe<'_>) -> Computed<MethodResult>;
 
     /// Returns the present state.
     fn state(&self) -> State;
@@ -150,7 +145,7 @@ pub trait IncrementSolver: Send {
         _start: &[f64],
         _cases: &[(bool, TangentialCase)],
         _linear: &mut RefinedSolver,
-    ) -> Result<Option<State>, LinearError> {
+    ) -> Computed<Option<State>> {
         Ok(None)
     }
 
@@ -177,7 +172,7 @@ pub trait IncrementSolver: Send {
     ///
     /// # Errors
     /// If the linear solver fails.
-    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    fn restore(&mut self, snapshot: Snapshot, _linear: &mut RefinedSolver) -> Computed<bool> {
         let (length, state) = (self.state().u.len(), snapshot.into_state());
         let state = state.filter(|state| state.u.len() == length);
         Ok(state.map(|state| self.set_state(&state)).is_some())

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::coulomb::{direction, length, positive, project};
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::Computed;
 use crate::algebra::vector::dot;
 use crate::base::displayed_as_written;
 use crate::solver::problem::error::{expect_each, expect_finite, expect_length};
@@ -95,7 +95,7 @@ impl KktScales {
 }
 
 /// Returns `|K| |u| + |C|ᵀ |p| + |f|`, N, the terms of the balance of forces.
-fn terms(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Result<Vec<f64>, LinearError> {
+fn terms(problem: &ContactProblem, increment: &Increment<'_>, state: &State) -> Computed<Vec<f64>> {
     let mut terms = problem.stiffness().sizes(&state.u)?;
     for (map, forces) in [(problem.c_n(), &state.p_n), (problem.c_t(), &state.p_t), (problem.c_o(), &state.p_o)] {
         for (i, p) in forces.iter().enumerate().filter(|(_, p)| **p != 0.0) {
@@ -238,7 +238,7 @@ impl<'a> Judgement<'a> {
         state: &'a State,
         imbalance: Vec<f64>,
         earlier: &KktScales,
-    ) -> Result<Self, LinearError> {
+    ) -> Computed<Self> {
         let NaturalUnits { part, contact_part, parts, displacement, contact: unit, .. } = problem.natural();
         let terms = terms(problem, increment, state)?;
         let scales = earlier.with_terms(problem, &terms).with_gaps(problem, increment, &state.u);
@@ -283,7 +283,7 @@ impl<'a> Judgement<'a> {
         state: &'a State,
         earlier: &KktScales,
         tolerance: f64,
-    ) -> Result<Self, LinearError> {
+    ) -> Computed<Self> {
         let imbalance = problem.imbalance(increment.force, state)?;
         let judgement = Self::new(problem, increment, state, imbalance, earlier)?;
         let near = 0.1 * tolerance..10.0 * tolerance;

@@ -5,7 +5,7 @@
 mod extensions;
 
 use super::{Armijo, Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::solver::formulation::Bdiff;
 use extensions::Branch;
 use std::collections::HashSet;
@@ -58,7 +58,7 @@ impl Bn {
         z: &mut [f64],
         mut end: StopCriterion<'_>,
         observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         // Step 1: initialisation.
         expect_unknowns(formulation, &self.h, z)?;
         let mut clock = Clock::default();
@@ -143,19 +143,14 @@ impl Bn {
     }
 
     /// Evaluates `H(z)`. Returns its merit `Theta` (10).
-    fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> Result<f64, LinearError> {
+    fn evaluate(&mut self, formulation: &Bdiff, z: &[f64]) -> Computed<f64> {
         formulation.residual(z, &mut self.h)?;
         Ok(formulation.merit(&self.h))
     }
 
     /// Solves (22) for `dz`, with the matrix factored if it is `fresh`. Returns the backward error, or the reason why
     /// there is no direction.
-    fn direction(
-        &mut self,
-        formulation: &Bdiff,
-        linear: &mut RefinedSolver,
-        fresh: bool,
-    ) -> Result<Direction, LinearError> {
+    fn direction(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver, fresh: bool) -> Computed<Direction> {
         if fresh {
             self.factored = None;
             if let Some(motion) = formulation.unpinned_mode() {
@@ -191,7 +186,7 @@ impl Bn {
         formulation: &Bdiff,
         linear: &mut RefinedSolver,
         h: &[f64],
-    ) -> Result<Option<&[f64]>, LinearError> {
+    ) -> Computed<Option<&[f64]>> {
         if self.factored != Some(linear.generation()) {
             return Ok(None);
         }
@@ -221,7 +216,7 @@ impl Bn {
     ///
     /// # Errors
     /// As [`Bn::solve`].
-    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver) -> Result<bool, LinearError> {
+    pub fn factor(&mut self, formulation: &Bdiff, linear: &mut RefinedSolver) -> Computed<bool> {
         self.factored = None;
         if formulation.unpinned_mode().is_some() {
             return Ok(false);
@@ -245,7 +240,7 @@ impl Bn {
     }
 }
 
-fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Result<(), LinearError> {
+fn expect_unknowns(formulation: &Bdiff, own: &[f64], z: &[f64]) -> Computed<()> {
     let expected = formulation.unknowns();
     for (what, found) in [("unknowns of the solver", own.len()), ("z", z.len())] {
         if found != expected {
@@ -279,7 +274,7 @@ impl Cycle {
 }
 
 /// A measure of the distance of `z + z_lo` from the exact law, where `z_lo` is the low-order part of `z`.
-pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Result<f64, LinearError>;
+pub type Measure<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Computed<f64>;
 
 /// The stopping test of Algorithm BN.
 pub enum StopCriterion<'a> {
@@ -300,7 +295,7 @@ pub enum StopCriterion<'a> {
 
 impl StopCriterion<'_> {
     /// Returns the error at `z + z_lo`, if it is measured.
-    fn measure(&mut self, z: &[f64], z_lo: &[f64]) -> Result<Option<f64>, LinearError> {
+    fn measure(&mut self, z: &[f64], z_lo: &[f64]) -> Computed<Option<f64>> {
         match self {
             StopCriterion::Merit(_) => Ok(None),
             StopCriterion::Measured { error, .. } => error(z, z_lo).map(Some),

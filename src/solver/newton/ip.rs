@@ -1,7 +1,7 @@
 //! Algorithm IP: the potential reduction interior point method.
 
 use super::{Clock, Iteration, IterationRecord, LinearSystem, MethodResult, Termination};
-use crate::algebra::linear::{LinearError, RefinedSolver, SolveInfo};
+use crate::algebra::linear::{Computed, RefinedSolver, SolveInfo};
 use crate::solver::formulation::{Constrained, InteriorPoint};
 use std::ops::ControlFlow;
 
@@ -82,7 +82,7 @@ impl Workspace {
     }
 
     /// Computes `h = H(z)`. Returns `Theta`.
-    pub(super) fn evaluate(&mut self, formulation: &dyn InteriorPoint, z: &[f64]) -> Result<f64, LinearError> {
+    pub(super) fn evaluate(&mut self, formulation: &dyn InteriorPoint, z: &[f64]) -> Computed<f64> {
         formulation.residual(z, &mut self.h)?;
         Ok(formulation.theta(z, &self.h))
     }
@@ -93,7 +93,7 @@ impl Workspace {
         formulation: &dyn InteriorPoint,
         linear: &mut RefinedSolver,
         z: &[f64],
-    ) -> Result<SolveInfo, LinearError> {
+    ) -> Computed<SolveInfo> {
         formulation.reduce(z, &self.b, &mut self.rhs);
         let info = linear.solve(formulation.matrix(), &self.rhs, &mut self.dz[..self.rhs.len()])?;
         formulation.recover(z, &self.b, &mut self.dz);
@@ -126,7 +126,7 @@ impl Ip {
         linear: &mut RefinedSolver,
         z: &mut [f64],
         observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         // Step 1: initialisation.
         let mut clock = Clock::default();
         self.work.resize(formulation);

@@ -6,7 +6,7 @@
 
 use super::ip::Workspace;
 use super::{Clock, Iteration, IterationRecord, MethodResult, Termination};
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, LinearError, RefinedSolver};
 use crate::solver::formulation::{Face, InteriorPoint, Pair, largest_step};
 use std::ops::ControlFlow;
 
@@ -36,7 +36,7 @@ struct Iterate<'a> {
     z: &'a mut [f64],
     formulation: &'a mut dyn InteriorPoint,
     linear: &'a mut RefinedSolver,
-    error: &'a mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
+    error: &'a mut dyn FnMut(&[f64]) -> Computed<f64>,
 }
 
 /// The result of a step.
@@ -63,9 +63,9 @@ impl PredictorCorrector {
         formulation: &mut dyn InteriorPoint,
         linear: &mut RefinedSolver,
         z: &mut [f64],
-        error: &mut dyn FnMut(&[f64]) -> Result<f64, LinearError>,
+        error: &mut dyn FnMut(&[f64]) -> Computed<f64>,
         observe: &mut dyn FnMut(&Iteration<'_>) -> ControlFlow<()>,
-    ) -> Result<MethodResult, LinearError> {
+    ) -> Computed<MethodResult> {
         let mut clock = Clock::default();
         self.work.resize(formulation);
         let mut at = Iterate { z, formulation, linear, error };
@@ -120,7 +120,7 @@ impl PredictorCorrector {
     }
 
     /// Computes a predictor and a corrector with one matrix, and takes the step.
-    fn step(&mut self, curved: bool, at: &mut Iterate<'_>) -> Result<StepResult, LinearError> {
+    fn step(&mut self, curved: bool, at: &mut Iterate<'_>) -> Computed<StepResult> {
         let Iterate { z, formulation, linear, error } = at;
         let beta = mean_product(formulation.pairs(), z, &self.work.dz, 0.0);
         formulation.linearize(z);
@@ -157,7 +157,7 @@ impl PredictorCorrector {
 
     /// Computes the Newton step to `face`. The step is taken if it leads to the solution, within the tolerance;
     /// otherwise `z` is unchanged.
-    fn step_to(&mut self, face: &Face, at: &mut Iterate<'_>) -> Result<StepResult, LinearError> {
+    fn step_to(&mut self, face: &Face, at: &mut Iterate<'_>) -> Computed<StepResult> {
         let Iterate { z, formulation, linear, error } = at;
         let point = face.point(formulation.pairs(), z.len());
         formulation.linearize(&point);

@@ -11,7 +11,7 @@
 
 use super::cone::{FiniteCone, norm};
 use super::{Free, FrictionCone, Load, unbalanced};
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::Computed;
 use crate::algebra::null_space::NEGLIGIBLE;
 use crate::algebra::vector::dot;
 use crate::solver::problem::ContactProblem;
@@ -103,7 +103,7 @@ fn pushed_out(cones: &[FrictionCone], distance: &[f64]) -> Option<Vec<f64>> {
 ///
 /// # Errors
 /// If a rank that shares the stiffness has failed.
-pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> Result<bool, LinearError> {
+pub(crate) fn is_carried_without_strain(problem: &ContactProblem) -> Computed<bool> {
     let largest = |x: &[f64]| x.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     for motion in problem.rigid_modes() {
         let (mut force, sizes) = (vec![0.0; motion.len()], problem.stiffness().sizes(motion)?);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::local::Local;
-use crate::algebra::linear::{LinearError, SystemMatrix, expect_length};
+use crate::algebra::linear::{Computed, SystemMatrix, expect_length};
 use crate::algebra::sparse::{DenseSymmetric, Pattern};
 use crate::algebra::union_find::UnionFind;
 
@@ -30,7 +30,7 @@ pub(super) struct Group {
 
 impl Blocks {
     /// Finds the parts of the pattern outside the dense block of `a`.
-    pub(super) fn new(a: &SystemMatrix) -> Result<Self, LinearError> {
+    pub(super) fn new(a: &SystemMatrix) -> Computed<Self> {
         let (pattern, n) = (a.pattern(), a.order());
         expect_length("rows of the matrix", n, pattern.rows())?;
         let displacements = a.leading().map_or(0, DenseSymmetric::order);
@@ -66,7 +66,7 @@ impl Blocks {
 
 impl Group {
     /// Solves the contact rows of the group in a matrix with `values`. Returns `last` if it came from the same rows.
-    pub(super) fn solve(&self, values: &[f64], last: Option<Local>) -> Result<Local, LinearError> {
+    pub(super) fn solve(&self, values: &[f64], last: Option<Local>) -> Computed<Local> {
         let same =
             |places: &[(usize, usize)], of: &[f64]| places.iter().all(|&(place, slot)| of[place] == values[slot]);
         if let Some(last) = last.filter(|last| same(&self.rows, &last.rows) && same(&self.forces, &last.forces)) {

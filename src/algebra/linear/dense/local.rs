@@ -13,7 +13,7 @@
 //! sticking node has two reactions. In an interior point method all parameters are `t`. Oblique normals only add
 //! entries to the small matrices.
 
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::{Computed, LinearError};
 use crate::algebra::vector::dot;
 
 /// The solutions of the contact rows of a group.
@@ -42,12 +42,7 @@ impl Local {
     /// # Errors
     /// [`LinearError::Singular`] if the rows, or the reactions, are linearly dependent; [`LinearError::NotFinite`] if
     /// an entry is not finite.
-    pub(super) fn new(
-        displacements: usize,
-        others: usize,
-        rows: Vec<f64>,
-        forces: Vec<f64>,
-    ) -> Result<Self, LinearError> {
+    pub(super) fn new(displacements: usize, others: usize, rows: Vec<f64>, forces: Vec<f64>) -> Computed<Self> {
         if !rows.iter().chain(&forces).all(|value| value.is_finite()) {
             return Err(LinearError::NotFinite);
         }

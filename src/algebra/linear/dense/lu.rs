@@ -5,7 +5,7 @@ use faer::linalg::lu::partial_pivoting::factor::{lu_in_place, lu_in_place_scratc
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, MatRef, Par};
 
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::{Computed, LinearError};
 use crate::algebra::sparse::mirror;
 
 /// The order below which a factorisation takes less than a few milliseconds, so that waiting for other threads costs
@@ -59,7 +59,7 @@ impl Lu {
     /// [`LinearError::Singular`] if a pivot vanishes or may be mere rounding, which faer does not check;
     /// [`LinearError::NotFinite`] if an entry is not finite; [`LinearError::Shape`] unless `a` is square and has as
     /// many sizes as columns.
-    pub fn new(mut a: Mat<f64>, sizes: &[f64]) -> Result<Self, LinearError> {
+    pub fn new(mut a: Mat<f64>, sizes: &[f64]) -> Computed<Self> {
         let n = a.nrows();
         for (what, found) in [("columns", a.ncols()), ("sizes", sizes.len())] {
             if found != n {
@@ -107,7 +107,7 @@ impl Lu {
     ///
     /// # Errors
     /// [`LinearError::Shape`] if `b` does not have the order of `A`.
-    pub fn solution(&self, b: &[f64]) -> Result<Vec<f64>, LinearError> {
+    pub fn solution(&self, b: &[f64]) -> Computed<Vec<f64>> {
         if b.len() != self.order() {
             return Err(LinearError::Shape { what: "b", expected: self.order(), found: b.len() });
         }

@@ -16,12 +16,12 @@ use faer::{Side, Spec};
 
 use super::{Indices, memory, out_of_memory, parallelism, permutation};
 use crate::algebra::linear::supernodal::{Supernodal, Supernode};
-use crate::algebra::linear::{FactorInfo, LinearError};
+use crate::algebra::linear::{Computed, FactorInfo, LinearError};
 use crate::algebra::sparse::{Csc, Pattern};
 
 /// Returns a fill-reducing order for a symmetric matrix with this lower triangle. faer has no nested dissection; on
 /// plane grids CHOLMOD also chooses minimum degree.
-pub(in crate::algebra::linear) fn minimum_degree(lower: &Pattern) -> Result<Vec<usize>, LinearError> {
+pub(in crate::algebra::linear) fn minimum_degree(lower: &Pattern) -> Computed<Vec<usize>> {
     let failed = |error| out_of_memory(error, "the ordering");
     let lower = Indices::new(lower);
     let mut work = memory(amd::order_scratch::<usize>(lower.n(), lower.rows.len())).map_err(failed)?;
@@ -43,14 +43,14 @@ pub(in crate::algebra::linear) struct Llt {
 impl Llt {
     /// Returns entries and operations, without factoring.
     #[cfg(not(feature = "umfpack"))]
-    pub(in crate::algebra::linear) fn predict(lower: &Csc, order: &[usize]) -> Result<FactorInfo, LinearError> {
+    pub(in crate::algebra::linear) fn predict(lower: &Csc, order: &[usize]) -> Computed<FactorInfo> {
         let indices = Indices::new(lower.pattern());
         let analysed = Permuted::new(indices.with(lower.values()), order).and_then(|permuted| permuted.analyse());
         Ok(analysed.map_err(|error| out_of_memory(error, "the symbolic analysis"))?.1)
     }
 
     /// Factors the symmetric matrix with this lower triangle in the given order.
-    pub(in crate::algebra::linear) fn factor(lower: &Csc, order: &[usize]) -> Result<Self, LinearError> {
+    pub(in crate::algebra::linear) fn factor(lower: &Csc, order: &[usize]) -> Computed<Self> {
         let indices = Indices::new(lower.pattern());
         let permuted = Permuted::new(indices.with(lower.values()), order);
         let permuted = permuted.map_err(|error| out_of_memory(error, "the ordering"))?;

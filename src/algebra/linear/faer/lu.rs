@@ -21,7 +21,7 @@ use faer::sparse::linalg::{LuError, SymbolicSupernodalParams, colamd, qr};
 use faer::{Conj, Par, Spec};
 
 use super::{Indices, memory, out_of_memory, parallelism, permutation};
-use crate::algebra::linear::{FactorInfo, LinearError, LinearSolver, expect_finite, expect_length};
+use crate::algebra::linear::{Computed, FactorInfo, LinearError, LinearSolver, expect_finite, expect_length};
 use crate::algebra::sparse::Pattern;
 
 /// The LU backend of faer.
@@ -116,7 +116,7 @@ impl LinearSolver for FaerLu {
         "faer"
     }
 
-    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Result<(), LinearError> {
+    fn analyze(&mut self, pattern: &Arc<Pattern>) -> Computed<()> {
         expect_length("rows of the matrix", pattern.columns().max(1), pattern.rows())?;
         (self.analysed, self.factored) = (None, false);
         self.analysed = Some(Analysed::new(pattern).map_err(|error| out_of_memory(error, "the symbolic analysis"))?);
@@ -127,7 +127,7 @@ impl LinearSolver for FaerLu {
     /// not report the lengths of its factors. Operations and memory are not known. `pivot_ratio` is `‖b‖ / (‖A‖ ‖x‖)`
     /// for a fixed `b` and scaled rows, an upper bound on the reciprocal condition number, since the pivots cannot be
     /// read.
-    fn factorize(&mut self, values: &[f64]) -> Result<FactorInfo, LinearError> {
+    fn factorize(&mut self, values: &[f64]) -> Computed<FactorInfo> {
         self.factored = false;
         let Some(analysed) = &mut self.analysed else { return Err(LinearError::Order { missing: "analyze" }) };
         expect_length("values of the matrix", analysed.a.rows.len(), values.len())?;
@@ -161,7 +161,7 @@ impl LinearSolver for FaerLu {
         if self.factored { Ok(info) } else { Err(LinearError::Singular { pivot_ratio: 0.0 }) }
     }
 
-    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Result<(), LinearError> {
+    fn solve(&mut self, b: &[f64], x: &mut [f64]) -> Computed<()> {
         let (Some(analysed), true) = (&mut self.analysed, self.factored) else {
             return Err(LinearError::Order { missing: "factorize" });
         };

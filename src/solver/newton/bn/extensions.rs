@@ -2,7 +2,7 @@
 //! contact statuses leave unconstrained.
 
 use super::{Bn, StopCriterion, Termination};
-use crate::algebra::linear::{LinearError, RefinedSolver};
+use crate::algebra::linear::{Computed, RefinedSolver};
 use crate::algebra::sparse::sum;
 use crate::solver::formulation::Bdiff;
 
@@ -37,7 +37,7 @@ impl Bn {
         linear: &mut RefinedSolver,
         z: &[f64],
         theta: f64,
-    ) -> Result<(), LinearError> {
+    ) -> Computed<()> {
         for _ in 0..BRANCH_TRIALS {
             if !formulation.linearize_towards(z, &self.dz) {
                 break;
@@ -62,7 +62,7 @@ impl Bn {
         linear: &mut RefinedSolver,
         z: &mut [f64],
         end: &mut StopCriterion<'_>,
-    ) -> Result<bool, LinearError> {
+    ) -> Computed<bool> {
         let mut best = end.measure(z, &self.z_lo)?;
         let most = if formulation.has_dependent_nodes() { PROXIMAL_STEPS } else { REFINEMENTS };
         for _ in 0..most {

@@ -10,7 +10,7 @@ use std::{ptr, thread};
 
 use libloading::os::unix::Library;
 
-use crate::algebra::linear::LinearError;
+use crate::algebra::linear::{Computed, LinearError};
 
 /// The size of the buffer that OpenBLAS maps for a thread on x86-64, bytes; it is smaller on other processors.
 pub(in crate::algebra::linear) const BUFFER: usize = 128 << 20;
@@ -30,7 +30,7 @@ thread_local! {
 ///
 /// # Errors
 /// [`LinearError::OutOfMemory`] if the system refuses the memory.
-pub(in crate::algebra::linear) fn prepare() -> Result<(), LinearError> {
+pub(in crate::algebra::linear) fn prepare() -> Computed<()> {
     if READY.get() {
         return Ok(());
     }
