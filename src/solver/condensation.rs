@@ -172,7 +172,7 @@ impl Condensed {
     /// Condenses a body with its loads.
     ///
     /// # Errors
-    /// [`LinearError::Singular`] if a part of the body can move while the contact nodes are clamped; an error if
+    /// [`crate::algebra::linear::LinearError::Singular`] if a part of the body can move while the contact nodes are clamped; an error if
     /// memory is short.
     pub fn new(problem: &ContactProblem, loading: &Loading, by: impl Into<Condensation>) -> Computed<Self> {
         let border = problem.contact_displacements();

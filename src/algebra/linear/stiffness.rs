@@ -41,7 +41,7 @@ pub trait Distributed: Any + fmt::Debug + Send + Sync {
     /// Computes `y = K x`.
     ///
     /// # Errors
-    /// [`LinearError`] if a process has failed, here and below.
+    /// [`super::LinearError`] if a process has failed, here and below.
     fn mul(&self, x: &[f64], y: &mut [f64]) -> Computed<()>;
 
     /// Computes `y = K x` and `sizes = |K| |x|`.
@@ -97,7 +97,7 @@ impl Stiffness {
     /// Returns the stiffness with all entries in this process. They are gathered if several processes have them.
     ///
     /// # Errors
-    /// [`LinearError`] if a process has failed.
+    /// [`super::LinearError`] if a process has failed.
     pub fn assembled(&self) -> Computed<Arc<Symmetric>> {
         match self {
             Stiffness::Assembled(k) => Ok(Arc::clone(k)),

@@ -127,7 +127,7 @@ impl SystemMatrix {
     /// Returns the matrix in compressed columns. A distributed block is gathered in this process.
     ///
     /// # Errors
-    /// [`LinearError`] if a process with rows of the block has failed, here and below.
+    /// [`super::LinearError`] if a process with rows of the block has failed, here and below.
     pub fn to_csc(&self) -> Computed<Cow<'_, Csc>> {
         let leading = match &self.leading {
             Some(Leading::Dense(dense)) => Symmetric::from(dense.clone()),

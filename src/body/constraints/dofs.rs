@@ -8,7 +8,7 @@
 //! The rows of a pair with the jump `J` are `Σ D u - Σ P u = J`. Along axes that are held, `J` is 0 or prescribed; along
 //! free axes it is an unknown, on which the force across the pair acts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 
 use super::relative::{Coefficient, Relative};
 use crate::algebra::vector::{axis, axis_across, cross, dot, minus, norm, plus, unit};
@@ -131,6 +131,16 @@ impl Dofs {
     pub fn is_held(&self, node: usize) -> bool {
         let components = if self.dimension == 2 && self.is_rotation(node) { 1 } else { self.dimension };
         self.held[self.dimension * node..][..components].contains(&true)
+    }
+
+    /// Returns for each node of the mesh `true` if it has none of the `acted` unknowns, no support holds it, it is not relative to
+    /// other nodes, and none is to it.
+    pub fn untouched(&self, acted: impl Iterator<Item = usize>) -> Vec<bool> {
+        let followed = self.transform_rows.values().flatten().map(|(dof, _)| *dof);
+        let touched: HashSet<Option<usize>> = followed.chain(acted).map(Some).collect();
+        let is_touched =
+            |node: usize| self.relative.contains_key(&node) || self.node(node).iter().any(|dof| touched.contains(dof));
+        (0..self.of_mesh).map(|node| !self.is_held(node) && !is_touched(node)).collect()
     }
 
     /// Returns `true` if supports hold `node` along axis `a` of its frame.

@@ -6,13 +6,13 @@
 //! surrounding cells (Zienkiewicz and Zhu, Int. J. Numer. Meth. Engng 33 (1992) 1331). A node between two corners, in
 //! hexahedra and prisms every node, has the mean of the polynomials of all corners of its cells.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::strains::Strains;
 use crate::algebra::elimination::solve;
-use crate::algebra::vector::minus;
-use crate::body::fem::numbered;
-use crate::body::mesh::{CellKind, Geometry, quadrature_of, shape, stiffness_rule};
+use crate::algebra::vector::{minus, norm, plus, unit};
+use crate::body::fem::{facet_normals, numbered};
+use crate::body::mesh::{Cell, CellKind, Geometry, quadrature_of, shape, stiffness_rule};
 use crate::body::model::Model;
 
 /// The least number of strains beyond the number of coefficients in the fit of a polynomial.
@@ -21,8 +21,38 @@ pub(super) const SPARE: usize = 2;
 /// The largest number of patches tried for a fit; each has one more layer of cells than the last.
 pub(super) const LAYERS: usize = 4;
 
+/// A surface has one normal at a node if the sum of those of its sides is at least this share of the sum of their sizes.
+const ROUND: f64 = 0.9;
+
 /// Recovers the strains at the `places`; `None` if too few cells of second order are connected.
+///
+/// Across one layer of cells, nothing in it shows how the stresses vary: there, no traction acts on free sides of the surface.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
+    let mut recovered = in_cells(model, places, strains)?;
+    let (mesh, surface) = (&model.mesh, model.mesh.surface());
+    let outer: HashSet<usize> = surface.iter().flat_map(|(facet, _)| facet).copied().collect();
+    let is_thick = |cell: &&Cell| cell.nodes[..cell.kind.corners()].iter().any(|node| !outer.contains(node));
+    let thick: HashSet<usize> = mesh.cells.iter().filter(is_thick).flat_map(|cell| &cell.nodes).copied().collect();
+    if outer.is_subset(&thick) {
+        return Some(recovered);
+    }
+    let untouched = model.untouched();
+    let mut normals: BTreeMap<usize, ([f64; 3], f64, usize)> = BTreeMap::new();
+    for (facet, e) in surface.iter().filter(|(facet, _)| facet.iter().any(|node| untouched[*node])) {
+        for (node, normal) in facet.iter().zip(facet_normals(mesh, facet)).filter(|(node, _)| !thick.contains(node)) {
+            let Some(k) = mesh.cells[*e].nodes.iter().position(|of_cell| of_cell == node) else { continue };
+            let (sum, size, cell) = normals.entry(places.of_cell(*e)[k]).or_default();
+            (*sum, *size, *cell) = (plus(*sum, 1.0, normal), *size + norm(normal), *e);
+        }
+    }
+    for (place, (sum, _, e)) in normals.into_iter().filter(|(_, (sum, size, _))| norm(*sum) >= ROUND * size) {
+        recovered[place] = model.materials()[e].released(recovered[place], unit(sum));
+    }
+    Some(recovered)
+}
+
+/// Computes the means and polynomials.
+fn in_cells(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let cells = &model.mesh.cells;
     if cells.iter().any(|cell| cell.kind.is_quadratic()) {
         return fitted(model, places, strains);

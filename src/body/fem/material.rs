@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::algebra::vector::dot;
 use crate::base::input_error::{InputError, ensure, finite, positive};
 use crate::base::units::Depth;
 use crate::body::mesh::{Cell, Mesh, is_called};
@@ -407,6 +408,20 @@ impl Elasticity {
         let pressure = self.lambda * (xx + yy + zz);
         let direct = |strain: f64| pressure + 2.0 * self.mu * strain;
         [direct(xx), direct(yy), direct(zz), self.mu * xy, self.mu * yz, self.mu * zx]
+    }
+
+    /// Changes a strain such that a surface with unit normal `n` has no traction; the strains along the surface stay.
+    pub fn released(&self, mut strain: [f64; 6], n: [f64; 3]) -> [f64; 6] {
+        let [xx, yy, zz, xy, yz, zx] = self.stress(strain);
+        let traction = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]].map(|row| dot(row, n));
+        let normal = dot(traction, n);
+        // (λ + μ) (n·a) n + μ a is the traction of the strain of n ⊗ a.
+        let share = (self.lambda + self.mu) / (self.lambda + 2.0 * self.mu) * normal;
+        let a: [f64; 3] = std::array::from_fn(|c| (share * n[c] - traction[c]) / self.mu);
+        for (k, (r, c)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
+            strain[k] += if r == c { n[r] * a[r] } else { n[r] * a[c] + n[c] * a[r] };
+        }
+        strain
     }
 
     /// Computes the energy density `½ ε D ε` (J/m³) of a strain, with components as in [`Elasticity::stress`].

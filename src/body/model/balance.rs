@@ -387,6 +387,17 @@ impl Model {
         self.statics.nodes.each_ref().map(|nodes| nodes.iter().map(mean).collect())
     }
 
+    /// Returns for each node of the mesh `true` if no support, spring, contact or joint acts there, and no load but of whole bodies.
+    pub(crate) fn untouched(&self) -> Vec<bool> {
+        let of_contact = self.contact.nodes.iter().flat_map(|contact| contact.normal.iter().map(|(dof, _)| *dof));
+        let mut untouched = self.constraints.dofs.untouched(of_contact);
+        let nodes = self.statics.nodes.iter().flatten().filter(|nodes| nodes.len() < self.mesh.nodes.len());
+        for (node, _) in nodes.flatten() {
+            untouched.get_mut(*node).into_iter().for_each(|node| *node = false);
+        }
+        untouched
+    }
+
     /// Returns for each coupling the force and the moment about its reference point that the forces of all `[loads,
     /// supports, springs]` there have, and the displacement (m) and the rotation (rad) of the point, at time `t` (s) in
     /// the `state` at that time.

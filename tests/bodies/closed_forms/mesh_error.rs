@@ -339,6 +339,41 @@ fn the_error_of_quadrilaterals_hexahedra_and_prisms_of_second_order_is_met() {
     }
 }
 
+/// A ring in plane stress, pressed at its bore (Lamé), as a quarter with one, two and four layers across: what is told is within a
+/// factor of two of the true error, also of one layer, across which recovered stresses alone do not vary.
+#[test]
+fn the_error_across_one_layer_is_seen() {
+    let (young, poisson, pressure) = (1e9, 0.3, 1e6);
+    for (kind, tops) in [(CellKind::Quadrilateral, [1.2, 2.0, 4.0]), (CellKind::Quadrilateral8, [2.0, 3.0, 4.0])] {
+        for (top, layers) in tops.into_iter().flat_map(|top| [1, 2, 4].map(|layers| (top, layers))) {
+            let axes = [vec![top - 1.0], vec![FRAC_PI_2]];
+            let block =
+                MeshSource::segmented(&axes, &[vec![layers], vec![64]], None, Some(kind)).unwrap().build().unwrap();
+            let mut mesh = (*block).clone();
+            for [x, y, _] in &mut mesh.nodes {
+                let (sine, cosine) = y.sin_cos();
+                (*x, *y) = ((1.0 + *x) * cosine, (1.0 + *x) * sine);
+            }
+            let body = Description::new(
+                MeshSource::Given(mesh.into()),
+                Material::new(young, poisson).in_plane(Plane::Stress),
+                vec![1.0],
+            )
+            .support("bottom", &[Axis::Y])
+            .support("top", &[Axis::X])
+            .load(Action::Pressure { boundary: "left".to_string(), pressure: pressure.into() }.into());
+            let report = solved(&body);
+            let square = top * top;
+            let bore = pressure / young * ((square + 1.0) / (square - 1.0) + poisson);
+            let exact = 0.5 * pressure * bore * FRAC_PI_2;
+            let error = ((exact - report.increments[0].strain_energy) / exact).sqrt();
+            let estimate = report.estimates.discretisation.unwrap();
+            println!("{kind:?} {top} {layers}: error {error:.4}, estimate / error {:.3}", estimate / error);
+            assert!((0.5..2.0).contains(&(estimate / error)), "{kind:?} {top} {layers}: {error} {estimate}");
+        }
+    }
+}
+
 /// A disc that grows with its warmth, and a body that is pushed off, are strained by what rounding leaves: nothing is told of it.
 #[test]
 fn rounding_is_no_strain() {
