@@ -31,7 +31,10 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     let mut recovered = in_cells(model, places, strains)?;
     let (mesh, surface) = (&model.mesh, model.mesh.surface());
     let outer: HashSet<usize> = surface.iter().flat_map(|(facet, _)| facet).copied().collect();
-    let is_thick = |cell: &&Cell| cell.nodes[..cell.kind.corners()].iter().any(|node| !outer.contains(node));
+    // The strains of triangles and tetrahedra vary within a layer, too.
+    let is_thick = |cell: &&Cell| {
+        cell.kind.is_simplex() || cell.nodes[..cell.kind.corners()].iter().any(|node| !outer.contains(node))
+    };
     let thick: HashSet<usize> = mesh.cells.iter().filter(is_thick).flat_map(|cell| &cell.nodes).copied().collect();
     if outer.is_subset(&thick) {
         return Some(recovered);

@@ -344,7 +344,12 @@ fn the_error_of_quadrilaterals_hexahedra_and_prisms_of_second_order_is_met() {
 #[test]
 fn the_error_across_one_layer_is_seen() {
     let (young, poisson, pressure) = (1e9, 0.3, 1e6);
-    for (kind, tops) in [(CellKind::Quadrilateral, [1.2, 2.0, 4.0]), (CellKind::Quadrilateral8, [2.0, 3.0, 4.0])] {
+    for (kind, tops) in [
+        (CellKind::Quadrilateral, [1.2, 2.0, 4.0]),
+        (CellKind::Quadrilateral8, [2.0, 3.0, 4.0]),
+        (CellKind::Triangle, [1.2, 2.0, 4.0]),
+        (CellKind::Triangle6, [2.0, 3.0, 4.0]),
+    ] {
         for (top, layers) in tops.into_iter().flat_map(|top| [1, 2, 4].map(|layers| (top, layers))) {
             let axes = [vec![top - 1.0], vec![FRAC_PI_2]];
             let block =
