@@ -231,10 +231,17 @@ impl Capacity {
                 format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
             }
         };
-        let opens = |(name, [before, open]): &(String, [f64; 2])| {
-            format!("{found}; `{name}` opens between load[{load}] times {before:.4} and {open:.4}")
-        };
-        self.opens.as_ref().map_or_else(|| found.clone(), opens)
+        let opens = self.opens.iter().map(|(name, [before, open])| {
+            format!("; `{name}` opens between load[{load}] times {before:.4} and {open:.4}")
+        });
+        let before = self.between.map_or(f64::INFINITY, |[holds, _]| (1.0 - CLOSE) * holds);
+        let slips = self.report.friction_use.iter().filter_map(|contact| {
+            let of_load = contact.factors.iter().find(|of| of.load == load);
+            let from = contact.slips_wholly_from.and(of_load)?.between[1] / self.last;
+            let name = &contact.boundary;
+            (0.0 < from && from < before).then(|| format!("; `{name}` slips wholly from load[{load}] times {from:.4}"))
+        });
+        found + &opens.chain(slips).collect::<String>()
     }
 
     /// Returns the capacity as one JSON object.

@@ -153,3 +153,16 @@ fn a_joint_that_opens_is_told() {
     let opens = [0, 1].map(|k| found["opens"]["between"][k].as_f64().unwrap());
     assert!(1.2 < opens[0] && opens[0] < 1.34 && 1.34 < opens[1] && opens[1] < 1.4, "{found}");
 }
+
+/// A block on a floor that a spring holds at last: it slips at 0.3 times its weight, and the increments in which that is found are
+/// a quarter of the push long.
+#[test]
+fn a_contact_that_slips_wholly_before_is_told() {
+    let spring = "[[spring]]\nboundary = \"right\"\nnormal = 1e7";
+    let text = scene("[2, 1]", "[8, 4]", "{ kind = \"plane\" }", ["force = [0, -1000]", "force = [100, 0]"], spring);
+    let (status, found) = capacity(&text, 1, &[]);
+    let (before, from) = found["message"].as_str().unwrap().rsplit_once(' ').unwrap();
+    assert!(before.ends_with("`bottom` slips wholly from load[1] times"), "{found}");
+    let from: f64 = from.parse().unwrap();
+    assert!(status == Some(0) && found["safety"].is_null() && (3.0..=3.5).contains(&from), "{found}");
+}
