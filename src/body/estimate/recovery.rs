@@ -29,9 +29,10 @@ const ROUND: f64 = 0.9;
 /// Across one layer of cells, nothing in it shows how the stresses vary: there, no traction acts on free sides of the surface.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
     let mut recovered = in_cells(model, places, strains)?;
-    let (mesh, surface) = (&model.mesh, model.mesh.surface());
-    let outer: HashSet<usize> = surface.iter().flat_map(|(facet, _)| facet).copied().collect();
+    let mesh = &model.mesh;
     // The strains of triangles and tetrahedra vary within a layer, too.
+    let surface = if mesh.cells.iter().all(|cell| cell.kind.is_simplex()) { Vec::new() } else { mesh.surface() };
+    let outer: HashSet<usize> = surface.iter().flat_map(|(facet, _)| facet).copied().collect();
     let is_thick = |cell: &&Cell| {
         cell.kind.is_simplex() || cell.nodes[..cell.kind.corners()].iter().any(|node| !outer.contains(node))
     };

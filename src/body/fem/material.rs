@@ -414,9 +414,8 @@ impl Elasticity {
     pub fn released(&self, mut strain: [f64; 6], n: [f64; 3]) -> [f64; 6] {
         let [xx, yy, zz, xy, yz, zx] = self.stress(strain);
         let traction = [[xx, xy, zx], [xy, yy, yz], [zx, yz, zz]].map(|row| dot(row, n));
-        let normal = dot(traction, n);
         // (λ + μ) (n·a) n + μ a is the traction of the strain of n ⊗ a.
-        let share = (self.lambda + self.mu) / (self.lambda + 2.0 * self.mu) * normal;
+        let share = (self.lambda + self.mu) / (self.lambda + 2.0 * self.mu) * dot(traction, n);
         let a: [f64; 3] = std::array::from_fn(|c| (share * n[c] - traction[c]) / self.mu);
         for (k, (r, c)) in [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0)].into_iter().enumerate() {
             strain[k] += if r == c { n[r] * a[r] } else { n[r] * a[c] + n[c] * a[r] };
