@@ -43,8 +43,7 @@ fn sum_of_squares([xx, yy, zz, xy, yz, zx]: [f64; 6]) -> f64 {
 }
 
 impl DiscretisationError {
-    /// Estimates the error of a state with these strains; `None` if the body is not strained or too few cells of second
-    /// order are connected.
+    /// Estimates the error of a state with these strains; `None` if no strains can be recovered.
     pub(super) fn new(model: &Model, places: &Places, strains: &Strains) -> Option<Self> {
         let in_nodes = recovered(model, places, strains)?;
         let (mut squares, mut samples) = (Vec::with_capacity(model.mesh.cells.len()), Vec::new());
@@ -69,12 +68,12 @@ impl DiscretisationError {
             }
             squares.push(square);
         }
-        let (mut whole, mut of_cells, mut energies) = (None, vec![0.0; squares.len()], vec![0.0; squares.len()]);
+        let (mut whole, mut of_cells, mut energies) = (0.0_f64, vec![0.0; squares.len()], vec![0.0; squares.len()]);
         for cells in strains.parts() {
             let square = sum(&cells, &squares);
             let energy = 2.0 * sum(&cells, &strains.energies) + square;
             if energy > 0.0 {
-                whole = Some((square / energy).sqrt().max(whole.unwrap_or(0.0)));
+                whole = whole.max((square / energy).sqrt());
                 for e in cells {
                     of_cells[e] = (squares[e] / energy).sqrt();
                     energies[e] = (2.0 * strains.energies[e] + squares[e]) / energy;
@@ -82,7 +81,7 @@ impl DiscretisationError {
             }
         }
         Some(DiscretisationError {
-            whole: whole?,
+            whole,
             of_cells,
             energies,
             square: squares.iter().sum(),
@@ -117,7 +116,7 @@ pub(crate) fn error_of_force(model: &Model, t: f64, u: &[f64], z: &[f64]) -> Opt
     let square = |by: f64| {
         let displacements = displaced(by);
         let strains = Strains::new(model, &factors, &displacements);
-        DiscretisationError::new(model, &places, &strains).map_or(Some(0.0), |error| Some(error.square))
+        DiscretisationError::new(model, &places, &strains).map(|error| error.square)
     };
     Some(OF_RECOVERED * (square(by)? - square(-by)?).abs() / (4.0 * by))
 }

@@ -8,7 +8,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::strains::Strains;
+use super::strains::{Strains, sum};
 use crate::algebra::elimination::solve;
 use crate::algebra::vector::{minus, norm, plus, unit};
 use crate::body::fem::{facet_normals, numbered};
@@ -24,7 +24,10 @@ pub(super) const LAYERS: usize = 4;
 /// A surface has one normal at a node if the sum of those of its sides is at least this share of the sum of their sizes.
 const ROUND: f64 = 0.9;
 
-/// Recovers the strains at the `places`; `None` if too few cells of second order are connected.
+/// Strains are unknown if single layers of linear cells without a free side bear a larger share of the strain energy.
+const HIDDEN: f64 = 0.1;
+
+/// Recovers the strains at the `places`; `None` if too few cells of second order are connected, or if they are unknown.
 ///
 /// Across one layer of cells, nothing in it shows how the stresses vary: there, no traction acts on free sides of the surface.
 pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Option<Vec<[f64; 6]>> {
@@ -33,13 +36,13 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     // The strains of triangles and tetrahedra vary within a layer, too.
     let surface = if mesh.cells.iter().all(|cell| cell.kind.is_simplex()) { Vec::new() } else { mesh.surface() };
     let outer: HashSet<usize> = surface.iter().flat_map(|(facet, _)| facet).copied().collect();
-    let is_thick = |cell: &&Cell| {
-        cell.kind.is_simplex() || cell.nodes[..cell.kind.corners()].iter().any(|node| !outer.contains(node))
-    };
-    let thick: HashSet<usize> = mesh.cells.iter().filter(is_thick).flat_map(|cell| &cell.nodes).copied().collect();
-    if outer.is_subset(&thick) {
+    let is_outside = |cell: &Cell| cell.nodes[..cell.kind.corners()].iter().all(|node| outer.contains(node));
+    let is_layer = |cell: &Cell| !cell.kind.is_simplex() && is_outside(cell);
+    let (layer, thick): (Vec<usize>, Vec<usize>) = (0..mesh.cells.len()).partition(|e| is_layer(&mesh.cells[*e]));
+    if layer.is_empty() {
         return Some(recovered);
     }
+    let thick: HashSet<usize> = thick.into_iter().flat_map(|e| &mesh.cells[e].nodes).copied().collect();
     let untouched = model.untouched();
     let mut normals: BTreeMap<usize, ([f64; 3], f64, usize)> = BTreeMap::new();
     for (facet, e) in surface.iter().filter(|(facet, _)| facet.iter().any(|node| untouched[*node])) {
@@ -49,10 +52,15 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
             (*sum, *size, *cell) = (plus(*sum, 1.0, normal), *size + norm(normal), *e);
         }
     }
+    let mut released = HashSet::new();
     for (place, (sum, _, e)) in normals.into_iter().filter(|(_, (sum, size, _))| norm(*sum) >= ROUND * size) {
         recovered[place] = model.materials()[e].released(recovered[place], unit(sum));
+        released.insert(place);
     }
-    Some(recovered)
+    let is_seen =
+        |e: usize| mesh.cells[e].kind.is_quadratic() || places.of_cell(e).iter().any(|k| released.contains(k));
+    let hidden: Vec<usize> = layer.into_iter().filter(|e| !is_seen(*e)).collect();
+    (sum(&hidden, &strains.energies) <= HIDDEN * strains.energies.iter().sum::<f64>()).then_some(recovered)
 }
 
 /// Computes the means and polynomials.

@@ -60,6 +60,9 @@ pub enum MeshFileError {
     },
 }
 
+/// What a mesh file contains, or the fault in it.
+pub(crate) type Parsed<T> = Result<T, MeshFormatError>;
+
 /// An error at a place in a mesh file.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
 #[error("{file}:{place}: {message}")]
@@ -91,7 +94,7 @@ impl MeshFormatError {
 }
 
 /// Fails if the `bytes` of the file `name` are of another kind than the one `needed`.
-fn expect(name: &str, bytes: &[u8], needed: FileKind) -> Result<(), MeshFormatError> {
+fn expect(name: &str, bytes: &[u8], needed: FileKind) -> Parsed<()> {
     let Some(kind) = FileKind::of(bytes).filter(|kind| *kind != needed) else { return Ok(()) };
     let message = format!("it is {}, but {} is needed", kind.name(), needed.name());
     Err(MeshFormatError::new(name, Place::Line(1), message, kind.as_mesh()))
@@ -141,7 +144,7 @@ impl MeshFormat {
         Ok(mesh)
     }
 
-    fn raw(self, name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
+    fn raw(self, name: &str, bytes: &[u8]) -> Parsed<RawMesh> {
         match self {
             MeshFormat::Gmsh => gmsh::read(name, bytes),
             MeshFormat::Abaqus => abaqus::read(name, bytes),
@@ -168,7 +171,7 @@ pub fn from_gmsh(name: &str, bytes: &[u8], scale: f64) -> Result<Mesh, MeshFileE
 
 /// Reads the corners of all faces, triangles and quadrilaterals, in the bytes of a Gmsh file, in its unit; triangles of
 /// six nodes are divided into four flat ones. Messages name the file `name`.
-pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, MeshFormatError> {
+pub(crate) fn faces(name: &str, bytes: &[u8]) -> Parsed<Vec<Vec<[f64; 3]>>> {
     let file = gmsh::read(name, bytes)?;
     let faces = file.blocks.iter().filter(|block| block.kind.dimension() == 2).flat_map(|block| {
         block.elements.iter().flat_map(|(_, nodes)| match nodes[..] {
@@ -181,7 +184,7 @@ pub(crate) fn faces(name: &str, bytes: &[u8]) -> Result<Vec<Vec<[f64; 3]>>, Mesh
 
 /// Creates the mesh without its boundaries; returns also the number of each cell in the file, whose name and format are
 /// for messages.
-fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Result<(Mesh, Vec<usize>), MeshFormatError> {
+fn mesh(file: &mut RawMesh, name: &str, format: MeshFormat) -> Parsed<(Mesh, Vec<usize>)> {
     let error = |message: String, help: &str| MeshFormatError::new(name, Place::Line(1), message, help);
     let dimension = file.blocks.iter().map(|block| block.kind.dimension()).max().unwrap_or(0);
     if dimension < 2 {

@@ -10,12 +10,12 @@ mod model;
 use std::path::{Path, PathBuf};
 
 use super::raw::RawMesh;
-use super::{MeshFileError, MeshFormatError, Place, expect};
+use super::{MeshFileError, MeshFormatError, Parsed, Place, expect};
 use crate::base::input::FileKind;
 use model::Model;
 
 /// Parses `bytes`; messages name the file `name`, and files that it includes are read from its folder.
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
+pub(super) fn read(name: &str, bytes: &[u8]) -> Parsed<RawMesh> {
     expect(name, bytes, FileKind::Abaqus)?;
     let mut keywords = Keywords::default();
     let mut model = Model::default();
@@ -77,7 +77,7 @@ impl<'a> Data<'a> {
 }
 
 /// A function that takes a keyword and its data.
-type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Result<(), MeshFormatError>;
+type Take<'a> = &'a mut dyn FnMut(&Keyword<'_>, &[Data<'_>]) -> Parsed<()>;
 
 impl Keyword<'_> {
     /// Returns the parameters with their values.
@@ -97,7 +97,7 @@ impl Keyword<'_> {
     }
 
     /// Returns the name of a set that the keyword has to give, in capitals.
-    fn needed(&self, parameter: &str) -> Result<String, MeshFormatError> {
+    fn needed(&self, parameter: &str) -> Parsed<String> {
         let message = || format!("*{} has no {parameter}=", self.name);
         self.set(parameter).ok_or_else(|| self.error(message(), format!("write it with {parameter}=NAME")))
     }
@@ -126,7 +126,7 @@ struct Keywords {
 
 impl Keywords {
     /// Hands each keyword of the file at `path` with these `bytes` to `take`, and those of included files in their place.
-    fn read(&mut self, path: &Path, bytes: &[u8], take: Take<'_>) -> Result<(), MeshFormatError> {
+    fn read(&mut self, path: &Path, bytes: &[u8], take: Take<'_>) -> Parsed<()> {
         let text = String::from_utf8_lossy(bytes);
         let mut lines = text.lines().enumerate().map(|(k, line)| (k + 1, line.trim()));
         let mut lines = lines.by_ref().filter(|(_, line)| !line.is_empty() && !line.starts_with("**")).peekable();
@@ -155,7 +155,7 @@ impl Keywords {
         Ok(())
     }
 
-    fn include(&mut self, keyword: &Keyword<'_>, take: Take<'_>) -> Result<(), MeshFormatError> {
+    fn include(&mut self, keyword: &Keyword<'_>, take: Take<'_>) -> Parsed<()> {
         let Some(input) = keyword.value("INPUT").filter(|input| !input.is_empty()) else {
             return Err(keyword.error("*INCLUDE has no INPUT=", "name the file: *INCLUDE, INPUT=mesh.inp"));
         };

@@ -8,7 +8,7 @@ mod reader;
 use std::collections::{HashMap, HashSet};
 
 use super::raw::{Block, ElementKind, RawMesh};
-use super::{MeshFormatError, expect};
+use super::{Parsed, expect};
 use crate::base::input::FileKind;
 use crate::body::mesh::{CellKind, sorted};
 use reader::{Fields, Reader};
@@ -33,7 +33,7 @@ struct SectionsSeen {
 }
 
 /// Parses `bytes`; messages name the file `name`.
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
+pub(super) fn read(name: &str, bytes: &[u8]) -> Parsed<RawMesh> {
     expect(name, bytes, FileKind::Gmsh)?;
     let mut reader = Reader::new(name, bytes);
     let version = format(&mut reader, name)?;
@@ -89,7 +89,7 @@ pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError>
 }
 
 /// Reads `$MeshFormat`.
-fn format(reader: &mut Reader<'_>, name: &str) -> Result<Version, MeshFormatError> {
+fn format(reader: &mut Reader<'_>, name: &str) -> Parsed<Version> {
     let export = "export the mesh with: gmsh -2 part.geo -format msh41, in space -3 (in Gmsh: File, Export, \"Version 4 ASCII\")";
     let help = format!("convert the file with: gmsh {name} -save -format msh41 -o new.msh, or {export}");
     let section = "MeshFormat";
@@ -137,7 +137,7 @@ fn format(reader: &mut Reader<'_>, name: &str) -> Result<Version, MeshFormatErro
 }
 
 /// Reads the names of the physical groups by dimension and number.
-fn physical_names(reader: &mut Reader<'_>) -> Result<HashMap<Entity, String>, MeshFormatError> {
+fn physical_names(reader: &mut Reader<'_>) -> Parsed<HashMap<Entity, String>> {
     let section = "PhysicalNames";
     let count = reader.text_row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
     let mut names = HashMap::new();
@@ -170,7 +170,7 @@ fn entities(
     version: Version,
     names: &HashMap<Entity, String>,
     groups: &mut HashMap<Entity, Vec<String>>,
-) -> Result<(), MeshFormatError> {
+) -> Parsed<()> {
     let partitioned = section == "PartitionedEntities";
     if partitioned {
         reader.count(section)?;
@@ -217,12 +217,7 @@ fn entities(
 }
 
 /// Adds the node `number` to `file`.
-fn add_node(
-    reader: &Reader<'_>,
-    file: &mut RawMesh,
-    indices: &mut HashMap<usize, usize>,
-    number: usize,
-) -> Result<(), MeshFormatError> {
+fn add_node(reader: &Reader<'_>, file: &mut RawMesh, indices: &mut HashMap<usize, usize>, number: usize) -> Parsed<()> {
     if indices.insert(number, file.numbers.len()).is_some() {
         return Err(reader.damaged(format!("the node {number} is there twice")));
     }
@@ -233,11 +228,7 @@ fn add_node(
 const COORDINATES: &str = "the number of a node and three finite coordinates";
 
 /// Reads `$Nodes` of MSH 4 into `file` and returns the index of every node by Gmsh's number.
-fn nodes(
-    reader: &mut Reader<'_>,
-    version: Version,
-    file: &mut RawMesh,
-) -> Result<HashMap<usize, usize>, MeshFormatError> {
+fn nodes(reader: &mut Reader<'_>, version: Version, file: &mut RawMesh) -> Parsed<HashMap<usize, usize>> {
     let section = "Nodes";
     let (blocks, count) = reader.counts(section, version)?;
 
@@ -284,11 +275,7 @@ fn nodes(
 }
 
 /// Reads `$Nodes` or `$ParametricNodes` of MSH 2.2 into `file` and returns the index of every node by Gmsh's number.
-fn numbered_nodes(
-    reader: &mut Reader<'_>,
-    section: &str,
-    file: &mut RawMesh,
-) -> Result<HashMap<usize, usize>, MeshFormatError> {
+fn numbered_nodes(reader: &mut Reader<'_>, section: &str, file: &mut RawMesh) -> Parsed<HashMap<usize, usize>> {
     let count = reader.text_row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
     let parametric = section == "ParametricNodes";
     let mut indices = HashMap::new();
@@ -310,13 +297,7 @@ fn numbered_nodes(
 }
 
 /// Fails unless a section has as many `things` as it announces.
-fn announced(
-    reader: &Reader<'_>,
-    section: &str,
-    things: &str,
-    count: usize,
-    read: usize,
-) -> Result<(), MeshFormatError> {
+fn announced(reader: &Reader<'_>, section: &str, things: &str, count: usize, read: usize) -> Parsed<()> {
     if read == count {
         return Ok(());
     }
@@ -344,7 +325,7 @@ fn kind_of(number: i64) -> Result<ElementKind, String> {
 }
 
 /// Returns the kind of Gmsh's type `number`, or the error at the place of the reader.
-fn supported(reader: &Reader<'_>, number: i64) -> Result<ElementKind, MeshFormatError> {
+fn supported(reader: &Reader<'_>, number: i64) -> Parsed<ElementKind> {
     kind_of(number).map_err(|name| {
         let help = match number {
             12 | 13 => "mesh with nodes at the middles of edges alone (Mesh.SecondOrderIncomplete = 1)",
@@ -364,7 +345,7 @@ fn placed(
     number: usize,
     nodes: &[usize],
     indices: &HashMap<usize, usize>,
-) -> Result<Vec<usize>, MeshFormatError> {
+) -> Parsed<Vec<usize>> {
     if nodes.len() != kind.nodes() {
         let message = format!("element {number} has {} nodes, but a {kind} has {}", nodes.len(), kind.nodes());
         return Err(reader.damaged(message));
@@ -386,7 +367,7 @@ fn of_entities(
     groups: &HashMap<Entity, Vec<String>>,
     indices: &HashMap<usize, usize>,
     file: &mut RawMesh,
-) -> Result<(), MeshFormatError> {
+) -> Parsed<()> {
     let (blocks, count) = reader.counts(SECTION, version)?;
 
     let mut read = 0_usize;
@@ -481,7 +462,7 @@ fn tagged(
     names: &HashMap<Entity, String>,
     indices: &HashMap<usize, usize>,
     file: &mut RawMesh,
-) -> Result<(), MeshFormatError> {
+) -> Parsed<()> {
     let count = reader.text_row(SECTION, "1 whole number", |row| row.size().and_then(|count| row.last(count)))?;
     let mut elements = TaggedElements::default();
     let mut read = 0_usize;

@@ -10,7 +10,7 @@ use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
 use super::raw::{Element, ElementKind, RawMesh, add_boundary, no_side, outer, real, shortened, within};
-use super::{MeshFormatError, Place, expect};
+use super::{MeshFormatError, Parsed, Place, expect};
 use crate::base::input::FileKind;
 use crate::body::mesh::CellKind;
 
@@ -18,7 +18,7 @@ use crate::body::mesh::CellKind;
 const MAX_LETTERS: usize = 200;
 
 /// Parses `bytes`; messages name the file `name`.
-pub(super) fn read(name: &str, bytes: &[u8]) -> Result<RawMesh, MeshFormatError> {
+pub(super) fn read(name: &str, bytes: &[u8]) -> Parsed<RawMesh> {
     expect(name, bytes, FileKind::Unv)?;
     let mut lines = Lines::new(name, bytes);
     let mut model = Model::default();
@@ -71,7 +71,7 @@ struct Model {
 
 impl Model {
     /// Reads nodes with their coordinates in the next line, or in the same one.
-    fn take_nodes(&mut self, lines: &mut Lines<'_>, next_line: bool) -> Result<(), MeshFormatError> {
+    fn take_nodes(&mut self, lines: &mut Lines<'_>, next_line: bool) -> Parsed<()> {
         let what = "the number of a node, three more whole numbers and three finite coordinates";
         while let Some(line) = lines.record()? {
             let mut words: Vec<String> = line.split_whitespace().map(str::to_string).collect();
@@ -96,7 +96,7 @@ impl Model {
         Ok(())
     }
 
-    fn take_elements(&mut self, lines: &mut Lines<'_>) -> Result<(), MeshFormatError> {
+    fn take_elements(&mut self, lines: &mut Lines<'_>) -> Parsed<()> {
         let what = "an element: its number, its descriptor, three more whole numbers and the number of its nodes";
         while let Some(line) = lines.record()? {
             let header: Vec<usize> = lines.numbers(&line, what)?;
@@ -147,7 +147,7 @@ impl Model {
     }
 
     /// Reads groups whose members are given by so many numbers each, first the type and the number.
-    fn take_groups(&mut self, lines: &mut Lines<'_>, width: usize) -> Result<(), MeshFormatError> {
+    fn take_groups(&mut self, lines: &mut Lines<'_>, width: usize) -> Parsed<()> {
         let what = "a group: its number, six more whole numbers and the number of its members";
         while let Some(line) = lines.record()? {
             let header: Vec<i64> = lines.numbers(&line, what)?;
@@ -186,7 +186,7 @@ impl Model {
     }
 
     /// Adds a member to a group. Members other than nodes and elements are no part of the mesh.
-    fn add_member(&mut self, lines: &Lines<'_>, group: usize, code: i64, number: i64) -> Result<(), MeshFormatError> {
+    fn add_member(&mut self, lines: &Lines<'_>, group: usize, code: i64, number: i64) -> Parsed<()> {
         let (what, indices) = match code {
             7 => ("node", &self.nodes),
             8 => ("element", &self.element_indices),
@@ -209,7 +209,7 @@ impl Model {
     }
 
     /// Reads systems of coordinates.
-    fn take_systems(&mut self, lines: &mut Lines<'_>) -> Result<(), MeshFormatError> {
+    fn take_systems(&mut self, lines: &mut Lines<'_>) -> Parsed<()> {
         // The part and its name.
         if lines.record()?.is_none() {
             return Ok(());
@@ -239,7 +239,7 @@ impl Model {
     }
 
     /// Remarks on the units of the file.
-    fn take_units(&mut self, lines: &mut Lines<'_>) -> Result<(), MeshFormatError> {
+    fn take_units(&mut self, lines: &mut Lines<'_>) -> Parsed<()> {
         if let Some(line) = lines.record()? {
             let name: String = line.chars().skip(10).take(20).filter(|letter| !letter.is_control()).collect();
             self.mesh.remarks.push(format!(
@@ -252,7 +252,7 @@ impl Model {
     }
 
     /// Converts all that was taken to a mesh.
-    fn finish(mut self, lines: &Lines<'_>) -> Result<RawMesh, MeshFormatError> {
+    fn finish(mut self, lines: &Lines<'_>) -> Parsed<RawMesh> {
         let local = self.local_systems.iter().filter_map(|system| Some((self.first_in.get(system)?, system)));
         if let Some(((node, line), system)) = local.min() {
             let message = format!("node {node} is in the system of coordinates {system}, which is not the global one");
@@ -372,7 +372,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Goes to the next dataset and returns its number; `None` at the end of the file.
-    fn dataset(&mut self) -> Result<Option<String>, MeshFormatError> {
+    fn dataset(&mut self) -> Parsed<Option<String>> {
         let Some(line) = self.next_filled() else { return Ok(None) };
         if line.trim() != DELIMITER {
             let line = shortened(&line);
@@ -392,7 +392,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Returns the next line of the dataset that is not empty; `None` at its end.
-    fn record(&mut self) -> Result<Option<Cow<'a, str>>, MeshFormatError> {
+    fn record(&mut self) -> Parsed<Option<Cow<'a, str>>> {
         match self.next_filled() {
             None => Err(self.ends()),
             Some(line) if line.trim() == DELIMITER => Ok(None),
@@ -401,22 +401,22 @@ impl<'a> Lines<'a> {
     }
 
     /// Returns the next line of a record that has begun, where `what` is expected.
-    fn more(&mut self, what: &str) -> Result<Cow<'a, str>, MeshFormatError> {
+    fn more(&mut self, what: &str) -> Parsed<Cow<'a, str>> {
         self.record()?.ok_or_else(|| self.malformed(what))
     }
 
     /// Returns the next line, which may be empty, as a name.
-    fn name(&mut self) -> Result<String, MeshFormatError> {
+    fn name(&mut self) -> Parsed<String> {
         self.next().map(|line| line.trim().to_string()).ok_or_else(|| self.ends())
     }
 
     /// Reads the numbers of a line, where `what` is expected.
-    fn numbers<T: FromStr>(&self, line: &str, what: &str) -> Result<Vec<T>, MeshFormatError> {
+    fn numbers<T: FromStr>(&self, line: &str, what: &str) -> Parsed<Vec<T>> {
         line.split_whitespace().map(|word| word.parse().map_err(|_| self.malformed(what))).collect()
     }
 
     /// Goes to the end of the dataset.
-    fn skip(&mut self) -> Result<(), MeshFormatError> {
+    fn skip(&mut self) -> Parsed<()> {
         while self.record()?.is_some() {}
         Ok(())
     }

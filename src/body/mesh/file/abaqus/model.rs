@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::{Data, Keyword};
 use crate::body::mesh::file::raw::{Element, ElementKind, RawMesh, add_boundary, no_side, outer, real, within};
-use crate::body::mesh::file::{MeshFormatError, Place};
+use crate::body::mesh::file::{MeshFormatError, Parsed, Place};
 use crate::body::mesh::sides::sorted;
 use crate::body::mesh::{CellKind, Facet};
 
@@ -39,7 +39,7 @@ const TYPES: &str = "only solid elements are read: remove the others from the fi
 
 impl Model {
     /// Takes a keyword with its data.
-    pub(super) fn read(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    pub(super) fn read(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Parsed<()> {
         self.fields += data.iter().map(|row| row.fields.len()).sum::<usize>();
         match keyword.name.as_str() {
             "NODE" => self.take_nodes(keyword, data),
@@ -75,7 +75,7 @@ impl Model {
         }
     }
 
-    fn take_nodes(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    fn take_nodes(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Parsed<()> {
         complete(keyword)?;
         if keyword.value("SYSTEM").is_some_and(|system| !system.eq_ignore_ascii_case("R")) {
             return Err(keyword.error("*NODE has no rectangular coordinates", "write them without SYSTEM="));
@@ -112,7 +112,7 @@ impl Model {
         Ok(())
     }
 
-    fn take_elements(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    fn take_elements(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Parsed<()> {
         complete(keyword)?;
         let name = keyword.needed("TYPE")?;
         let Some(kind) = kind_of(&name) else {
@@ -164,7 +164,7 @@ impl Model {
         Ok(())
     }
 
-    fn take_node_set(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    fn take_node_set(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Parsed<()> {
         complete(keyword)?;
         let name = keyword.needed("NSET")?;
         let Some(of) = keyword.set("ELSET") else {
@@ -180,7 +180,7 @@ impl Model {
         self.limited(keyword, self.node_sets.size)
     }
 
-    fn take_surface(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Result<(), MeshFormatError> {
+    fn take_surface(&mut self, keyword: &Keyword<'_>, data: &[Data<'_>]) -> Parsed<()> {
         complete(keyword)?;
         let name = keyword.needed("NAME")?;
         match keyword.set("TYPE").as_deref() {
@@ -222,12 +222,12 @@ impl Model {
     }
 
     /// Fails if sets that repeat one another have more members than the file justifies.
-    fn limited(&self, keyword: &Keyword<'_>, size: usize) -> Result<(), MeshFormatError> {
+    fn limited(&self, keyword: &Keyword<'_>, size: usize) -> Parsed<()> {
         if size <= most(self.fields) { Ok(()) } else { Err(too_many(keyword)) }
     }
 
     /// Converts all that was taken to a mesh; messages name the file `name`.
-    pub(super) fn finish(mut self, name: &str) -> Result<RawMesh, MeshFormatError> {
+    pub(super) fn finish(mut self, name: &str) -> Parsed<RawMesh> {
         for (section, error) in &self.sections {
             let elements = self.element_sets.indices(section, &self.element_indices);
             if elements.into_iter().any(|e| self.elements[e].kind.dimension() == 1) {
@@ -349,7 +349,7 @@ fn most(fields: usize) -> usize {
 }
 
 /// Fails if the data are in another file, or belong to an instance of a part.
-fn complete(keyword: &Keyword<'_>) -> Result<(), MeshFormatError> {
+fn complete(keyword: &Keyword<'_>) -> Parsed<()> {
     let name = &keyword.name;
     if keyword.value("INPUT").is_some() {
         let help = format!(
@@ -449,13 +449,7 @@ impl Sets {
 
     /// Adds the data of `*NSET` or `*ELSET` to the set `name`: numbers and names of sets, or with GENERATE first and last
     /// number and increment. There may be `most` members of all sets.
-    fn define(
-        &mut self,
-        name: &str,
-        keyword: &Keyword<'_>,
-        data: &[Data<'_>],
-        most: usize,
-    ) -> Result<(), MeshFormatError> {
+    fn define(&mut self, name: &str, keyword: &Keyword<'_>, data: &[Data<'_>], most: usize) -> Parsed<()> {
         let mut members = Vec::new();
         for row in data {
             let fields = row.words();

@@ -5,7 +5,7 @@ use std::str::{FromStr, SplitWhitespace};
 
 use super::Version;
 use crate::body::mesh::file::raw::shortened;
-use crate::body::mesh::file::{MeshFormatError, Place};
+use crate::body::mesh::file::{MeshFormatError, Parsed, Place};
 
 const AGAIN: &str = "export the mesh again from Gmsh";
 const CUT: &str = "the file is cut off: export or copy it again";
@@ -125,7 +125,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns the next line of `section`.
-    pub(super) fn next(&mut self, section: &str) -> Result<Cow<'a, str>, MeshFormatError> {
+    pub(super) fn next(&mut self, section: &str) -> Parsed<Cow<'a, str>> {
         match self.advance() {
             None => Err(self.ends_within(section)),
             Some(line) if line.starts_with('$') => {
@@ -142,7 +142,7 @@ impl<'a> Reader<'a> {
         section: &str,
         what: &str,
         read: impl FnOnce(&mut Fields<'_>) -> Option<T>,
-    ) -> Result<T, MeshFormatError> {
+    ) -> Parsed<T> {
         if !self.binary {
             return self.text_row(section, what, read);
         }
@@ -164,18 +164,18 @@ impl<'a> Reader<'a> {
         section: &str,
         what: &str,
         read: impl FnOnce(&mut Fields<'_>) -> Option<T>,
-    ) -> Result<T, MeshFormatError> {
+    ) -> Parsed<T> {
         let line = self.next(section)?;
         read(&mut Fields::Text(line.split_whitespace())).ok_or_else(|| self.malformed(section, what))
     }
 
     /// Reads a number alone in the next line of `section`, or in the next bytes of a binary file.
-    pub(super) fn count(&mut self, section: &str) -> Result<usize, MeshFormatError> {
+    pub(super) fn count(&mut self, section: &str) -> Parsed<usize> {
         self.row(section, "1 whole number", |row| row.size().and_then(|count| row.last(count)))
     }
 
     /// Reads the numbers of blocks and of all members of `section`; MSH 4.1 has also the least and the largest number.
-    pub(super) fn counts(&mut self, section: &str, version: Version) -> Result<(usize, usize), MeshFormatError> {
+    pub(super) fn counts(&mut self, section: &str, version: Version) -> Parsed<(usize, usize)> {
         let (more, what) = if version == Version::V41 { (2, "4 whole numbers") } else { (0, "2 whole numbers") };
         self.row(section, what, |row| {
             let counts = (row.size()?, row.size()?);
@@ -192,7 +192,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Returns the name of the next section; `None` at the end of the file.
-    pub(super) fn section(&mut self) -> Result<Option<String>, MeshFormatError> {
+    pub(super) fn section(&mut self) -> Parsed<Option<String>> {
         match self.advance() {
             None => Ok(None),
             Some(line) => match line.strip_prefix('$') {
@@ -206,7 +206,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads the end of `section`.
-    pub(super) fn end(&mut self, section: &str) -> Result<(), MeshFormatError> {
+    pub(super) fn end(&mut self, section: &str) -> Parsed<()> {
         match self.advance() {
             Some(line) if line.strip_prefix("$End") == Some(section) => Ok(()),
             Some(line) => {
@@ -218,7 +218,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Skips a section that is not needed.
-    pub(super) fn skip_to_end(&mut self, section: &str) -> Result<(), MeshFormatError> {
+    pub(super) fn skip_to_end(&mut self, section: &str) -> Parsed<()> {
         if self.binary {
             let end = format!("$End{section}");
             let found = self.bytes[self.at..].windows(end.len()).position(|bytes| bytes == end.as_bytes());
