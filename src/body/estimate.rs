@@ -35,7 +35,8 @@ pub struct ElementEstimate {
     /// The approximate share by which locking makes the body too stiff; accurate to a factor of two where it is below
     /// 1. `None` if no cell can lock.
     pub locking: Option<f64>,
-    /// The error of the mesh in the energy norm; `None` if too few cells of second order are connected.
+    /// The error of the mesh in the energy norm; `None` if too few cells of second order are connected, or if single layers of
+    /// linear cells hide it.
     pub discretisation: Option<DiscretisationError>,
     /// The root mean square of the magnitude of the strains, weighted by the strain energy.
     pub strain: f64,

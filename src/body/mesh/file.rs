@@ -60,7 +60,7 @@ pub enum MeshFileError {
     },
 }
 
-/// What a mesh file contains, or the fault in it.
+/// The content of a mesh file, or the fault in it.
 pub(crate) type Parsed<T> = Result<T, MeshFormatError>;
 
 /// An error at a place in a mesh file.

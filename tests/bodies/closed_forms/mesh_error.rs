@@ -379,8 +379,8 @@ fn the_error_across_one_layer_is_seen() {
     }
 }
 
-/// Of a single layer of linear cells that is held on both sides, or on one and pressed on the other, nothing shows the error: force and
-/// energy are 60 % off with Poisson's ratio 0.49, and their errors unknown. A second layer shows them.
+/// Nothing shows the error of a single layer of linear cells that is held on both sides, or on one and pressed on the other: errors of
+/// force and energy are unknown. A second layer shows them.
 #[test]
 fn the_error_of_a_layer_between_held_sides_is_unknown() {
     for (friction, layers) in [(0.0, 1), (2.0, 1), (0.0, 2)] {
