@@ -24,7 +24,7 @@ pub(super) const LAYERS: usize = 4;
 /// A surface has one normal at a node if the sum of those of its sides is at least this share of the sum of their sizes.
 const ROUND: f64 = 0.9;
 
-/// Strains are unknown if single layers of linear cells without a free side bear a larger share of the strain energy.
+/// Strains are unknown if single layers of linear cells without a free side bear a larger share of the strain energy of a part.
 const HIDDEN: f64 = 0.1;
 
 /// Recovers the strains at the `places`; `None` if too few cells of second order are connected, or if they are unknown.
@@ -59,8 +59,10 @@ pub(super) fn recovered(model: &Model, places: &Places, strains: &Strains) -> Op
     }
     let is_seen =
         |e: usize| mesh.cells[e].kind.is_quadratic() || places.of_cell(e).iter().any(|k| released.contains(k));
-    let hidden: Vec<usize> = layer.into_iter().filter(|e| !is_seen(*e)).collect();
-    (sum(&hidden, &strains.energies) <= HIDDEN * strains.energies.iter().sum::<f64>()).then_some(recovered)
+    let mut hidden = vec![0.0; strains.energies.len()];
+    layer.into_iter().filter(|e| !is_seen(*e)).for_each(|e| hidden[e] = strains.energies[e]);
+    let is_known = |cells: &Vec<usize>| sum(cells, &hidden) <= HIDDEN * sum(cells, &strains.energies);
+    strains.parts().iter().all(is_known).then_some(recovered)
 }
 
 /// Computes the means and polynomials.
