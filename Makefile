@@ -224,8 +224,7 @@ PAPER = --methods bn,ip,events --settings default,paper $(SOLID)
 ONE = --threads 1
 PLATE = --set 'title="Elastic plate on a frictional foundation"' --set 'mesh.elements=[16,16,4]' --set 'mesh.size=[1,1,0.25]'
 
-# The page keeps what stands before the first scene, and has the command and two pictures of each. The rest is in
-# compare.csv and meshes.csv.
+# The pictures of the page; all numbers are in compare.csv and meshes.csv.
 compare: deps
 	$(COMPARE) data/scenes/block.toml $(PAPER) --meshes 25,50,100 --increments 10,40 $(ONE) --out $(PAGE)/block
 	$(COMPARE) data/scenes/punch.toml $(PAPER) --meshes 20,30,40 --increments 10,40,80 $(ONE) --out $(PAGE)/punch
@@ -233,9 +232,6 @@ compare: deps
 	$(COMPARE) data/scenes/strip.toml --methods bn,ip,events --meshes 75,150,300 --increments 15,60 $(ONE) --out $(PAGE)/strip
 	$(COMPARE) data/scenes/cube.toml $(SOLID) --meshes 4,8,16 --increments 5,10,20 $(ONE) --out $(PAGE)/cube
 	$(COMPARE) data/scenes/cube.toml $(PLATE) $(SOLID) --meshes 8,16 --increments 5,10 $(ONE) --out $(PAGE)/plate
-	{ sed '/^## Elastic block/,$$d' $(PAGE).md; for scene in block punch frictionless strip cube plate; do echo; \
-		{ awk '/^```text/ { table = 1 } !table && !/^OpenBLAS|^- / && (!/^!/ || /forces.svg|mesh-time.svg/); /^```$$/ { table = 0 }' $(PAGE)/$$scene/compare.md; \
-		echo; echo 'Numbers: [runs](compare.csv), [meshes](meshes.csv).'; } | cat -s | sed "s|](|](error-vs-time/$$scene/|g"; done; } | cat -s >$(PAGE).new && mv $(PAGE).new $(PAGE).md
 	cd $(PAGE) && rm -f */compare.md */iterations.csv */mesh-size.svg
 
 fresh:

@@ -29,6 +29,8 @@ class Capacity:
         The load that the joint holds, in the units of the scene.
     opens : dict or None
         ``boundary`` of the first contact that opens on the way, and the factors ``between`` which it does.
+    slips_before : list of dict
+        ``boundary`` of each contact that slips wholly before the joint does, and the factors ``between`` which it begins to.
     status : str
         The status of the last run: "slips", "converged" where the joint holds 1024 times the load, or why there is no capacity.
     message : str
@@ -44,6 +46,7 @@ class Capacity:
     between: list[float] | None
     held: str | None
     opens: dict[str, Any] | None
+    slips_before: list[dict[str, Any]]
     status: str
     message: str
     slip: dict[str, Any] | None

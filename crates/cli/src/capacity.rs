@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use stickslip::base::within;
 use stickslip::body::{Action, Against, Load};
-use stickslip::run::report::{ForceRecord, JointSlip, RunReport};
+use stickslip::run::report::{ForceRecord, FrictionUse, JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Observer, Status};
@@ -41,6 +41,8 @@ pub struct Capacity {
     /// The first contact that carries force at the end of the history itself and none later, with the factors of the
     /// load between which it opens.
     pub opens: Option<(String, [f64; 2])>,
+    /// The contacts that slip wholly before the joint does, with the factors of the load between which they begin to.
+    pub slips_before: Vec<(String, [f64; 2])>,
     /// `true` if the joint slips within the history itself, so that the load grows after all others.
     pub comes_last: bool,
     /// The report of the run.
@@ -91,9 +93,20 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
         let (before, first) = opened.next()?;
         Some((first.resultant.boundary.clone(), [before.time, first.time].map(|time| factor_at(longer, time))))
     };
+    let slips_before = |between: Option<[f64; 2]>, longer: &Scene, report: &RunReport| {
+        let most = between.map_or(f64::INFINITY, |[holds, _]| (1.0 - CLOSE) * holds);
+        let of = |contact: &FrictionUse| {
+            let by = contact.slips_wholly_from.filter(|_| contact.factors.iter().any(|of| of.load == load))?;
+            let sticks = report.increments.iter().rfind(|record| record.time < by).map_or(0.0, |record| record.time);
+            let factors @ [_, slips] = [sticks, by].map(|time| factor_at(longer, time));
+            (0.0 < slips && slips < most).then(|| (contact.boundary.clone(), factors))
+        };
+        report.friction_use.iter().filter_map(of).collect()
+    };
     let found = |between, longer: &Scene, comes_last: bool, report: RunReport| {
         let action = scene.description.loads[load].action.clone();
-        Capacity { load, action, last, between, opens: opens(longer, &report), comes_last, report }
+        let (opens, slips_before) = (opens(longer, &report), slips_before(between, longer, &report));
+        Capacity { load, action, last, between, opens, slips_before, comes_last, report }
     };
     let is_exact = scene.solver.method.is_exact_path();
     let (mut known, mut runs, mut comes_last): (Option<Capacity>, usize, bool) = (None, 0, false);
@@ -231,29 +244,26 @@ impl Capacity {
                 format!("no capacity was found: the run is {status}. {}", self.report.explanation.reason)
             }
         };
-        let opens = self.opens.iter().map(|(name, [before, open])| {
-            format!("; `{name}` opens between load[{load}] times {before:.4} and {open:.4}")
-        });
-        let before = self.between.map_or(f64::INFINITY, |[holds, _]| (1.0 - CLOSE) * holds);
-        let slips = self.report.friction_use.iter().filter_map(|contact| {
-            let of_load = contact.factors.iter().find(|of| of.load == load);
-            let from = contact.slips_wholly_from.and(of_load)?.between[1] / self.last;
-            let name = &contact.boundary;
-            (0.0 < from && from < before).then(|| format!("; `{name}` slips wholly from load[{load}] times {from:.4}"))
-        });
-        found + &opens.chain(slips).collect::<String>()
+        let on_the_way = |what: &str, (name, [from, to]): &(String, [f64; 2])| {
+            format!("; `{name}` {what} between load[{load}] times {from:.4} and {to:.4}")
+        };
+        let opens = self.opens.iter().map(|contact| on_the_way("opens", contact));
+        let slip = self.slips_before.iter().map(|contact| on_the_way("begins to slip wholly", contact));
+        found + &opens.chain(slip).collect::<String>()
     }
 
     /// Returns the capacity as one JSON object.
     pub fn to_json(&self) -> Value {
         let report = self.report.to_value().unwrap_or_default();
+        let contact = |(boundary, factors): &(String, [f64; 2])| json!({ "boundary": boundary, "between": factors });
         json!({
             "title": self.report.title,
             "load": self.load,
             "safety": self.between.map(|[holds, _]| holds),
             "held": self.held(),
             "between": self.between,
-            "opens": self.opens.as_ref().map(|(boundary, factors)| json!({ "boundary": boundary, "between": factors })),
+            "opens": self.opens.as_ref().map(contact),
+            "slips_before": self.slips_before.iter().map(contact).collect::<Vec<_>>(),
             "status": self.report.status,
             "message": self.sentence(),
             "slip": report.get("slip"),

@@ -3,6 +3,7 @@
 use super::locking;
 use super::prelude::*;
 use crate::body::fem::Element;
+use crate::body::mesh::CellKind;
 
 kinds! {
     /// The error of the mesh is above 15 % in the energy norm.
@@ -28,33 +29,40 @@ const COARSE: f64 = 0.15;
 const ROUGH: f64 = 0.1;
 const FAR: f64 = 3.0;
 
-/// The cure of both kinds of coarse meshes.
-const FINER: &str = "refine it where the field `discretisation_error` is large, or use elements of second order";
+/// Returns the cure of both kinds of coarse meshes.
+fn finer(model: &Model) -> String {
+    let all = |of: fn(CellKind) -> bool| model.mesh.cells.iter().all(|cell| of(cell.kind));
+    let itself = if all(CellKind::is_simplex) { ", as `mesh.refine` does" } else { "" };
+    let order = if all(CellKind::is_quadratic) { "" } else { ", or use elements of second order" };
+    format!("refine it where the field `discretisation_error` is large{itself}{order}")
+}
 
 /// Returns the warnings of the mesh.
 pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
     let estimates = solved.estimates;
     let locking = estimates.locking.and_then(|share| locking::warning(solved.model, share));
-    let tangential = || estimates.tangential.filter(|error| *error > TANGENTIAL).map(coarse_for_friction);
-    let coarse = estimates.discretisation.filter(|error| *error > COARSE).map(coarse).or_else(tangential);
+    let tangential = || estimates.tangential.filter(|error| *error > TANGENTIAL).map(|error| coarse_for_friction(solved, error));
+    let coarse = estimates.discretisation.filter(|error| *error > COARSE).map(|error| coarse(solved, error)).or_else(tangential);
     locking.into_iter().chain(coarse).chain(inaccurate(solved)).collect()
 }
 
 /// Warns of a mesh that is too coarse for the body itself.
-fn coarse(error: f64) -> Warning {
+fn coarse(solved: &Solved<'_>, error: f64) -> Warning {
+    let finer = finer(solved.model);
     let [whole, off, singular] = [100.0 * error, 100.0 * error * error, 100.0 * (error / OF_SINGULAR).powi(2)];
     WarningKind::COARSE_MESH.warning(format!(
         "the mesh is coarse: its error is about {whole:.0} % in the energy norm, so displacements and forces may be off \
          by about {off:.0} % (if stresses at corners or ends of supports are singular, by {singular:.0} %), and \
-         pressures by more; {FINER}"
+         pressures by more; {finer}"
     ))
 }
 
 /// Warns of a mesh that is too coarse for tangential forces much smaller than the normal ones.
-fn coarse_for_friction(error: f64) -> Warning {
+fn coarse_for_friction(solved: &Solved<'_>, error: f64) -> Warning {
     WarningKind::TANGENTIAL_COARSE.warning(format!(
-        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; {FINER}",
-        100.0 * error
+        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; {}",
+        100.0 * error,
+        finer(solved.model)
     ))
 }
 

@@ -288,9 +288,9 @@ fn holding(model: &Model) {
         row!("held         by its supports");
         return;
     }
-    let by = if model.contact.nodes.is_empty() { "nothing holds" } else { "only contact can hold" };
+    let by = if model.contact.nodes.is_empty() { "NOT HELD     nothing holds" } else { "CONTACT      alone can hold" };
     for motion in &model.constraints.rigid_motions {
-        row!("NOT HELD     {by} {}", motion.against(&model.units()));
+        row!("{by} {}", motion.against(&model.units()));
     }
 }
 

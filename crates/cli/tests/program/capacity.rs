@@ -161,8 +161,11 @@ fn a_contact_that_slips_wholly_before_is_told() {
     let spring = "[[spring]]\nboundary = \"right\"\nnormal = 1e7";
     let text = scene("[2, 1]", "[8, 4]", "{ kind = \"plane\" }", ["force = [0, -1000]", "force = [100, 0]"], spring);
     let (status, found) = capacity(&text, 1, &[]);
-    let (before, from) = found["message"].as_str().unwrap().rsplit_once(' ').unwrap();
-    assert!(before.ends_with("`bottom` slips wholly from load[1] times"), "{found}");
-    let from: f64 = from.parse().unwrap();
-    assert!(status == Some(0) && found["safety"].is_null() && (3.0..=3.5).contains(&from), "{found}");
+    let factors = &found["slips_before"][0]["between"];
+    let [sticks, slips] = [0, 1].map(|k| factors[k].as_f64().unwrap());
+    assert!(status == Some(0) && found["safety"].is_null() && found["slips_before"][0]["boundary"] == "bottom", "{found}");
+    assert!(sticks < 3.0 + 1e-9 && 3.0 <= slips + 1e-9 && slips - sticks < 0.51, "{found}");
+    let said = format!("`bottom` begins to slip wholly between load[1] times {sticks:.4} and {slips:.4}");
+    assert!(found["message"].as_str().unwrap().ends_with(&said), "{found}");
+}");
 }
