@@ -188,7 +188,7 @@ impl Refinement {
     }
 
     fn other_cells(&self) -> RunError {
-        let help = "give mesh.cells = \"triangle\" or \"tetrahedron\", or a mesh file of these alone";
+        let help = "give all bodies mesh.cells = \"triangle\" or \"tetrahedron\", or mesh files of these alone";
         self.refused("only meshes of triangles or of tetrahedra refine themselves".into(), help)
     }
 

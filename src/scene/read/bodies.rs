@@ -44,8 +44,8 @@ pub(super) struct MeshTable {
     /// of an input file of Abaqus or CalculiX; universal file of Salome or I-DEAS.
     /// Example: `kind = "block"`.
     pub kind: MeshKind,
-    /// Error of the stresses in the energy norm up to which a mesh [refines
-    /// itself](#meshes-that-refine-themselves), where it has triangles or tetrahedra; 0.02 for 2 %.
+    /// Error of the stresses in the energy norm up to which a mesh of triangles or tetrahedra [refines
+    /// itself](#meshes-that-refine-themselves); 0.02 for 2 %.
     /// Example: `refine = 0.05`.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 1))]
     pub refine: Option<f64>,
