@@ -2,8 +2,8 @@
 
     python3 studies/refinement.py target/release/stickslip doc/method/refined-meshes/refinement.csv [NAME]
 
-For each quantity, the truth is a run with `mesh.refine` at a quarter or less of the finest error of the table; for the
-bracket it is a run on a mesh that is graded by hand. CPU times of refined meshes contain all their coarser meshes; those of
+For each quantity, the truth is a run with `mesh.refine` at a quarter or less of the finest error of the table, or a number that
+is known from elsewhere. CPU times of refined meshes contain all their coarser meshes; those of
 uniform meshes are of one mesh alone. The bracket needs Gmsh.
 Beside the table there is a picture of each scene.
 """
@@ -95,7 +95,7 @@ def blocks(form, numbers):
 
 
 # Name, scene or its text, overrides, uniform meshes from coarse to fine (the first is refined), `mesh.refine`, that of the
-# truth, quantities.
+# truth and what is known of it, quantities, and those that `converge` is asked for.
 CASES = [
     dict(name="cylinder", text=CYLINDER, uniform=[[f"mesh.elements=[{n},{n}]"] for n in (8, 16, 32, 64, 128, 256, 512)],
          refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "peak", "friction_work"]),
@@ -104,7 +104,8 @@ CASES = [
          quantities=["force", "peak", "friction_work"]),
     dict(name="rounded punch", scene=PUNCH, sets=["mesh.cells=triangle", "mesh.grading=[[1,1,1],1]"],
          uniform=blocks("[[{},{},{}],{}]", (3, 4, 9, 8)), refine=[0.4, 0.2, 0.1, 0.05, 0.025], truth=0.008,
-         quantities=["force", "peak", "friction_work"]),
+         # stickslip converge data/tutorials/punch.toml --for peak --to 0.004: quadrilaterals, 473.0 MPa, 0.16 %.
+         known=dict(peak=473.0e6), quantities=["force", "peak", "friction_work"]),
     dict(name="press fit", scene="data/tutorials/press-fit.toml", sets=FIT, uniform=[
          [f"body[0].mesh.elements=[{n},{5 * n}]", f"body[1].mesh.elements=[{n},{2 * n}]"] for n in (2, 4, 8, 16, 32)],
          refine=[0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "friction_work"]),
@@ -112,12 +113,16 @@ CASES = [
          [f"body[0].mesh.elements=[[{12 * k},{3 * k},{3 * k},{3 * k}],{2 * k}]",
           f"body[1].mesh.elements=[[{3 * k},{3 * k},{3 * k},{12 * k}],{2 * k}]"] for k in (1, 2, 4, 8, 16)],
          refine=[0.2, 0.1, 0.05, 0.025], truth=0.006, quantities=["force", "friction_work"]),
-    dict(name="sphere", scene=SPHERE, sets=["mesh.cells=tetrahedron", "mesh.grading=[[1,1],[1,1],1]"],
-         uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:4], refine=[0.5, 0.35, 0.25, 0.17], truth=0.1,
-         quantities=["force", "peak"]),
-    # The truth is twice the force and the friction work of studies/bracket_half.geo, in which the command stands.
-    dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.5, 1],
-         refine=[0.5, 0.4, 0.3, 0.22], truth=dict(force=7434, friction_work=0.2267), quantities=["force", "friction_work"]),
+    *(dict(name=f"sphere, {order} order", scene=SPHERE, sets=[f"mesh.cells={cells}", "mesh.grading=[[1,1],[1,1],1]"],
+           uniform=blocks("[[{},{}],[{},{}],{}]", (1, 3, 1, 3, 4))[:count], refine=refine, quantities=["force", "peak"],
+           # Second order, refined to 0.05: 0.12 %.
+           known=dict(force=822.7e3, peak=149.9e6))
+      for order, cells, count, refine in [("first", "tetrahedron", 5, [0.5, 0.35, 0.25, 0.17, 0.12, 0.08]),
+                                          ("second", "tetrahedron10", 4, [0.5, 0.35, 0.25, 0.17, 0.12, 0.08])]),
+    # Known are twice the force and the friction work of studies/bracket_half.geo, in which the command stands: the friction
+    # work with the increments of the table.
+    dict(name="bracket", scene=BRACKET, sets=["time.increments=6"], gmsh=[6, 4, 3, 2, 1.5, 1], refine=[0.5, 0.4, 0.3, 0.22],
+         known=dict(force=7434, friction_work=0.2267), quantities=["force", "friction_work"], studies=["force"]),
 ]
 
 
@@ -180,8 +185,12 @@ def study(program, case, folder):
     uniform = case.get("uniform") or meshes_of_gmsh(case, folder)
     first = sets + uniform[0]
     key = "body.mesh.refine" if "text" in case and "[[body]]" in case["text"] or "fit" in case["name"] else "mesh.refine"
-    known = isinstance(case["truth"], dict)
-    truth = case["truth"] if known else values(run(program, "run", scene, [*first, f"{key}={case['truth']}"])[0])
+
+    def true_values(*more):
+        refined = [*first, f"{key}={case['truth']}", *more] if "truth" in case else None
+        return {**(values(run(program, "run", scene, refined)[0]) if refined else {}), **case.get("known", {})}
+
+    truth = true_values()
     print(f"{case['name']}: truth {truth}", flush=True)
     rows = []
     kinds = [("uniform", " ".join(mesh), sets + mesh) for mesh in uniform]
@@ -197,8 +206,7 @@ def study(program, case, folder):
             error = None if value is None else abs(value / truth[quantity] - 1)
             rows.append([case["name"], kind, os.path.basename(name), seconds, quantity, value, error, None])
             print(*rows[-1], sep=", ", flush=True)
-    # The known friction work is that of the increments of the table.
-    for quantity in case["quantities"][:1 if known else None]:
+    for quantity in case.get("studies", case["quantities"]):
         for share in (0.1, 0.02):
             limits = ["--for", quantity, "--to", str(share), "--within", "120"]
             found, seconds = run(program, "converge", scene, first, limits)
@@ -206,10 +214,8 @@ def study(program, case, folder):
                 print(case["name"], quantity, found["message"])
                 continue
             # Increments are another error: the truth of a study has its last ones.
-            last, there = found["runs"][-1], truth
-            if not known:
-                more = [*first, f"{key}={case['truth']}", f"time.increments={last['increments']}"]
-                there = values(run(program, "run", scene, more)[0])
+            last = found["runs"][-1]
+            there = true_values(f"time.increments={last['increments']}")
             true = abs(found["value"] / there[quantity] - 1)
             of_mesh = found["uncertainty_mesh"]
             rows.append([case["name"], f"converge to {share}", last["mesh"], seconds, quantity, found["value"], true, of_mesh])
