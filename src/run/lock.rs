@@ -30,7 +30,8 @@ pub(super) fn locked(
     tightening: impl Fn(&Scene) -> Result<Model, RunError>,
 ) -> Result<Cow<'_, Scene>, RunError> {
     let mut scene = Cow::Borrowed(scene);
-    while let Some(first) = first_lock(&scene) {
+    let lock = |given: &Pretension| given.lock;
+    while let Some(first) = scene.description.pretensions.iter().filter_map(lock).min_by(f64::total_cmp) {
         let mut free = scene.clone().into_owned();
         for pretension in &mut free.description.pretensions {
             pretension.lock = None;
@@ -54,11 +55,6 @@ pub(super) fn locked(
         }
     }
     Ok(scene)
-}
-
-/// Returns the time of the first lock, s.
-fn first_lock(scene: &Scene) -> Option<f64> {
-    scene.description.pretensions.iter().filter_map(|pretension| pretension.lock).min_by(f64::total_cmp)
 }
 
 /// Collects points `[time (s), shortening (m)]` of each pretension.

@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 
 use stickslip::base::within;
 use stickslip::body::{Action, Against, Load};
-use stickslip::run::report::{ForceRecord, FrictionUse, JointSlip, RunReport};
+use stickslip::run::report::{ForceRecord, JointSlip, RunReport};
 use stickslip::run::{Run, RunError};
 use stickslip::scene::Scene;
 use stickslip::solver::history::{Observer, Status};
@@ -83,25 +83,24 @@ pub fn compute(scene: &Scene, load: usize, observer: &mut dyn Observer) -> Resul
     };
     let opens = |longer: &Scene, report: &RunReport| {
         let sum = |record: &ForceRecord| record.resultant.sums.sum_p_n;
-        let before = |first: &&ForceRecord| {
-            let earlier = report.forces.iter().take_while(|record| record.time < first.time);
-            let same = earlier.filter(|record| record.resultant.boundary == first.resultant.boundary);
-            same.last().filter(|before| sum(before) > 0.0)
-        };
         let has_opened = |record: &&ForceRecord| record.time > scene.time.end && sum(record) == 0.0;
-        let mut opened = report.forces.iter().filter(has_opened).filter_map(|first| Some((before(&first)?, first)));
-        let (before, first) = opened.next()?;
-        Some((first.resultant.boundary.clone(), [before.time, first.time].map(|time| factor_at(longer, time))))
+        report.forces.iter().filter(has_opened).find_map(|first| {
+            let is_before = |earlier: &&ForceRecord| {
+                earlier.time < first.time && earlier.resultant.boundary == first.resultant.boundary
+            };
+            let before = report.forces.iter().rfind(is_before).filter(|before| sum(before) > 0.0)?;
+            Some((first.resultant.boundary.clone(), [before.time, first.time].map(|time| factor_at(longer, time))))
+        })
     };
     let slips_before = |between: Option<[f64; 2]>, longer: &Scene, report: &RunReport| {
         let most = between.map_or(f64::INFINITY, |[holds, _]| (1.0 - CLOSE) * holds);
-        let of = |contact: &FrictionUse| {
+        let of_contacts = report.friction_use.iter().filter_map(|contact| {
             let by = contact.slips_wholly_from.filter(|_| contact.factors.iter().any(|of| of.load == load))?;
             let sticks = report.increments.iter().rfind(|record| record.time < by).map_or(0.0, |record| record.time);
             let factors @ [_, slips] = [sticks, by].map(|time| factor_at(longer, time));
             (0.0 < slips && slips < most).then(|| (contact.boundary.clone(), factors))
-        };
-        report.friction_use.iter().filter_map(of).collect()
+        });
+        of_contacts.collect()
     };
     let found = |between, longer: &Scene, comes_last: bool, report: RunReport| {
         let action = scene.description.loads[load].action.clone();

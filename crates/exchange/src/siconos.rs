@@ -60,7 +60,7 @@ pub(super) fn read(text: &str) -> Result<ProblemFile, InputError> {
     let of_a_local_one = rows.saturating_add(contacts);
     // A local problem may be followed by one more word. A second matrix is longer, unless the text is truncated.
     let second = ["0", "1", "2"].map(|kind| [kind.to_string(), first.rows.to_string(), rows.to_string()]);
-    let goes_on = second.iter().any(|head| words.begin_with(head));
+    let goes_on = second.iter().any(|head| words.left().take(head.len()).eq(head));
     let at = |line: usize, fault: InputError| InputError { key: format!("line {line}, {}", fault.key), ..fault };
     let problem = if !goes_on && words.are_at_most(of_a_local_one.saturating_add(1)) {
         let q = words.numbers("q", rows)?;

@@ -39,16 +39,15 @@ fn finer(model: &Model) -> String {
 
 /// Returns the warnings of the mesh.
 pub(super) fn warnings(solved: &Solved<'_>) -> Vec<Warning> {
-    let estimates = solved.estimates;
+    let (estimates, finer) = (solved.estimates, finer(solved.model));
     let locking = estimates.locking.and_then(|share| locking::warning(solved.model, share));
-    let tangential = || estimates.tangential.filter(|error| *error > TANGENTIAL).map(|error| coarse_for_friction(solved, error));
-    let coarse = estimates.discretisation.filter(|error| *error > COARSE).map(|error| coarse(solved, error)).or_else(tangential);
+    let tangential = || estimates.tangential.filter(|e| *e > TANGENTIAL).map(|e| coarse_for_friction(e, &finer));
+    let coarse = estimates.discretisation.filter(|e| *e > COARSE).map(|e| coarse(e, &finer)).or_else(tangential);
     locking.into_iter().chain(coarse).chain(inaccurate(solved)).collect()
 }
 
 /// Warns of a mesh that is too coarse for the body itself.
-fn coarse(solved: &Solved<'_>, error: f64) -> Warning {
-    let finer = finer(solved.model);
+fn coarse(error: f64, finer: &str) -> Warning {
     let [whole, off, singular] = [100.0 * error, 100.0 * error * error, 100.0 * (error / OF_SINGULAR).powi(2)];
     WarningKind::COARSE_MESH.warning(format!(
         "the mesh is coarse: its error is about {whole:.0} % in the energy norm, so displacements and forces may be off \
@@ -58,11 +57,10 @@ fn coarse(solved: &Solved<'_>, error: f64) -> Warning {
 }
 
 /// Warns of a mesh that is too coarse for tangential forces much smaller than the normal ones.
-fn coarse_for_friction(solved: &Solved<'_>, error: f64) -> Warning {
+fn coarse_for_friction(error: f64, finer: &str) -> Warning {
     WarningKind::TANGENTIAL_COARSE.warning(format!(
-        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; {}",
-        100.0 * error,
-        finer(solved.model)
+        "the mesh is coarse for the tangential forces: the error of the largest one is about {:.0} %; {finer}",
+        100.0 * error
     ))
 }
 

@@ -134,14 +134,25 @@ impl Moment {
         Some(nodes)
     }
 
-    /// Returns `true` if some nodes stick and others slip with friction: where both meet depends on the mesh and on the
-    /// history.
-    fn slips_in_part(&self) -> bool {
+    /// Returns `true` if some closed `nodes` slip with friction, and `true` if others stick, which supports do not hold.
+    fn slip_and_stick(&self, model: &Model, nodes: impl Iterator<Item = usize> + Clone) -> [bool; 2] {
         let State { p_n, p_t, p_o, .. } = &self.state;
-        let is = |i: usize, slips: bool| self.slip.get(i) == Some(&slips);
-        let slides = |i: usize| is(i, true) && (p_t[i] != 0.0 || p_o[i] != 0.0);
-        let closed = || (0..p_n.len()).filter(|&i| p_n[i] > 0.0);
-        closed().any(slides) && closed().any(|i| is(i, false))
+        let mut closed = nodes.filter(|&i| p_n[i] > 0.0 && !model.contact.nodes[i].tangents[0].is_empty());
+        let slips = |i: usize| self.slip.get(i) == Some(&true);
+        let slides = closed.clone().any(|i| slips(i) && (p_t[i] != 0.0 || p_o[i] != 0.0));
+        [slides, closed.any(|i| !slips(i))]
+    }
+
+    /// Returns the friction (N) that is missing in the force at nodes that supports hold, as at a plane of symmetry, if
+    /// all others of the boundary slip: friction then acts up to these nodes.
+    fn at_held_nodes(&self, model: &Model) -> Option<f64> {
+        let nodes = &model.contact.boundaries.get(self.boundary)?.nodes;
+        let held = |i: &&usize| model.contact.nodes[**i].tangents[0].is_empty();
+        let friction = nodes.iter().filter(held).map(|&i| {
+            let across = if self.tangential { 0.0 } else { dot(model.contact.nodes[i].facing.normal, self.along) };
+            model.problem.mu()[i] * self.state.p_n[i] * (1.0 - across * across).max(0.0).sqrt()
+        });
+        (self.slip_and_stick(model, nodes.iter().copied()) == [true, false]).then(|| friction.sum())
     }
 
     /// Returns the error (N) of the force of a pair by the normals of the nodes, which are those of curved facets in the mean:
@@ -173,7 +184,7 @@ impl Moment {
         let State { p_n, p_t, p_o, .. } = &self.state;
         let all: f64 = p_n.iter().chain(p_t).chain(p_o).map(|p| p.abs()).sum();
         let given = error.is_some_and(|error| error <= GIVEN * all);
-        let least = self.by_normals(model).unwrap_or(0.0);
+        let least = self.by_normals(model).unwrap_or(0.0).max(self.at_held_nodes(model).unwrap_or(0.0));
         (error.map(|error| error.max(least) / magnitude).filter(|share| !given && *share <= 1.0), given)
     }
 }
@@ -241,7 +252,9 @@ impl KeyWatch {
         }
         let (holding, moment) = self.holding.as_mut()?;
         let (share, given) = moment.judge(model, holding.magnitude, of_tangential);
-        (holding.mesh_error, holding.given) = (share.filter(|_| !moment.slips_in_part()), given);
+        // Where stick and slip meet depends on the mesh and on the history.
+        let slips_in_part = moment.slip_and_stick(model, 0..moment.state.p_n.len()) == [true; 2];
+        (holding.mesh_error, holding.given) = (share.filter(|_| !slips_in_part), given);
         share
     }
 

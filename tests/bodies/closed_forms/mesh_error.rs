@@ -401,6 +401,32 @@ fn the_error_of_a_layer_between_held_sides_is_unknown() {
     }
 }
 
+/// A warm shaft slips everywhere in its sleeve, but at their plane of symmetry, where supports hold both and no friction acts on the
+/// node: the errors of the forces tell its share.
+#[test]
+fn friction_that_is_missing_at_held_nodes_is_told() {
+    for elements in [20, 40, 80] {
+        let text = format!(
+            "[[body]]\nname = \"shaft\"\nmesh = {{ kind = \"block\", size = [0.02, 0.04], elements = [4, 8] }}\n\
+             material = {{ plane = \"axisymmetric\", young = 210e9, poisson = 0.3, expansion = 12e-6 }}\n\
+             [[body]]\nname = \"sleeve\"\n\
+             mesh = {{ kind = \"block\", origin = [0.02, 0], size = [0.001, 0.04], elements = [1, {elements}] }}\n\
+             material = {{ plane = \"axisymmetric\", young = 210e9, poisson = 0.3, expansion = 0 }}\n\
+             [[contact]]\nboundary = \"sleeve:left\"\nagainst = \"shaft:right\"\nfriction = 0.12\ngap = 0\n\
+             [[support]]\nboundary = \"shaft:bottom\"\nfix = [\"y\"]\n\
+             [[support]]\nboundary = \"sleeve:bottom\"\nfix = [\"y\"]\n\
+             [[load]]\ntemperature = 60\n[time]\nend = 1\nincrements = 4\n"
+        );
+        let report = Run::new(&parsed(&text)).unwrap().solve(&mut ()).unwrap();
+        let (largest, holding) = (report.largest_force.unwrap(), report.holding_force.unwrap());
+        let error = 0.12 * report.end.sum_p_n / holding.magnitude - 1.0;
+        for told in [largest.mesh_error, holding.mesh_error] {
+            let of_error = told.unwrap() / error;
+            assert!((0.5..2.0).contains(&of_error), "{elements}: {error} {told:?}");
+        }
+    }
+}
+
 /// A disc that grows with its warmth, and a body that is pushed off, are strained by what rounding leaves: nothing is told of it.
 #[test]
 fn rounding_is_no_strain() {

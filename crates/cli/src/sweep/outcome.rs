@@ -85,11 +85,6 @@ impl VariantResult {
         self.status == "converged"
     }
 
-    /// Returns `true` if values are those of the scene: all increments converged, or the body slips as a whole.
-    pub(super) fn has_values(&self) -> bool {
-        self.is_converged() || self.status == "slips"
-    }
-
     /// Returns `true` if the machine or the program failed, so that another try may succeed.
     pub fn is_of_the_machine(&self) -> bool {
         ["machine-failure", "out-of-memory", "bug"].contains(&self.status.as_str())

@@ -42,7 +42,8 @@ impl Sweep {
             let of = if self.plotted.is_some() { "" } else { "largest contact " };
             format!("{of}{}", quantity.head(self.units))
         });
-        let usable: Vec<&Row> = self.variants.iter().filter(|row| row.outcome.has_values()).collect();
+        let usable: Vec<&Row> =
+            self.variants.iter().filter(|row| row.outcome.is_converged() || row.outcome.status == "slips").collect();
         let point = |row: &&Row| {
             let others = self.varied.iter().zip(&row.values).enumerate().filter(|(k, _)| *k != along);
             let of = others.map(|(_, (variation, value))| {

@@ -163,9 +163,11 @@ fn a_contact_that_slips_wholly_before_is_told() {
     let (status, found) = capacity(&text, 1, &[]);
     let factors = &found["slips_before"][0]["between"];
     let [sticks, slips] = [0, 1].map(|k| factors[k].as_f64().unwrap());
-    assert!(status == Some(0) && found["safety"].is_null() && found["slips_before"][0]["boundary"] == "bottom", "{found}");
+    assert!(
+        status == Some(0) && found["safety"].is_null() && found["slips_before"][0]["boundary"] == "bottom",
+        "{found}"
+    );
     assert!(sticks < 3.0 + 1e-9 && 3.0 <= slips + 1e-9 && slips - sticks < 0.51, "{found}");
     let said = format!("`bottom` begins to slip wholly between load[1] times {sticks:.4} and {slips:.4}");
     assert!(found["message"].as_str().unwrap().ends_with(&said), "{found}");
-}");
 }

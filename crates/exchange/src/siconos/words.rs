@@ -78,13 +78,9 @@ impl<'a> Words<'a> {
         Ok(counts)
     }
 
-    fn left(&self) -> impl Iterator<Item = &'a str> {
+    /// Returns the words that are left.
+    pub(super) fn left(&self) -> impl Iterator<Item = &'a str> {
         self.here.clone().chain(self.lines.clone().flat_map(|(_, line)| line.split_whitespace()))
-    }
-
-    /// Returns `true` if the next words are these.
-    pub(super) fn begin_with(&self, words: &[String]) -> bool {
-        self.left().take(words.len()).eq(words.iter().map(String::as_str))
     }
 
     /// Returns `true` if at most `count` words are left.

@@ -240,6 +240,7 @@ impl Locked {
     /// Removes unpublished files of an earlier run that was interrupted.
     fn sweep(&mut self) -> io::Result<()> {
         let names = self.directory.names()?;
+        let is_partial = |name: &str| name.starts_with('.') && name.ends_with(".partial");
         let left = names.iter().filter(|(name, is_folder)| !is_folder && is_partial(name));
         left.into_iter().try_for_each(|(name, _)| self.directory.remove(name))
     }
@@ -359,10 +360,6 @@ fn busy() -> io::Error {
 /// Returns the hidden name under which a file is written.
 fn partial(name: &str) -> String {
     format!(".{name}.partial")
-}
-
-fn is_partial(name: &str) -> bool {
-    name.starts_with('.') && name.ends_with(".partial")
 }
 
 /// Returns an error for a name that would leave the folder.

@@ -257,9 +257,14 @@ impl Branches {
         // The last supernode may have columns of the border. The supernodes of a subtree are neighbours if its order is a postorder.
         let is_small =
             |k: usize| values[k] <= most && all[k].first + all[k].columns <= interior && k + 1 - starts[k] == sizes[k];
+        // A small subtree may contain one that is not: only those without a small one around them are branches.
+        let mut is_within = vec![false; all.len()];
+        for k in (0..all.len()).rev() {
+            is_within[k] = parent(k).is_some_and(|parent| is_within[parent] || is_small(parent));
+        }
         let mut ranges = Vec::<(Range<usize>, usize)>::new();
         if total >= FEWEST {
-            for k in (0..all.len()).filter(|&k| is_small(k) && parent(k).is_none_or(|parent| !is_small(parent))) {
+            for k in (0..all.len()).filter(|&k| is_small(k) && !is_within[k]) {
                 let subtree = starts[k]..k + 1;
                 match ranges.last_mut() {
                     Some((last, size)) if last.end == subtree.start && *size + values[k] <= most => {
@@ -279,9 +284,6 @@ impl Branches {
 
     /// Returns the results of `work` for all branches, in their order.
     pub fn map<R: Send>(&self, work: impl Fn(&Branch) -> R + Sync + Send) -> Vec<R> {
-        if rayon::current_num_threads() == 1 {
-            return self.branches.iter().map(work).collect();
-        }
         self.branches.par_iter().map(work).collect()
     }
 }
@@ -301,5 +303,46 @@ impl Branch {
         };
         let places = below().map(|row| place(row) as u32).collect();
         Branch { supernodes, columns: first..end, outside, places }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::algebra::linear::FactorInfo;
+
+    /// Supernodes of one column with these rows below, and a dense last one.
+    struct Tree(Vec<Vec<i64>>, Vec<f64>);
+
+    /// The columns of the last supernode.
+    const LAST: usize = 512;
+
+    impl Supernodal for Tree {
+        fn len(&self) -> usize {
+            self.0.len()
+        }
+
+        fn supernode(&self, k: usize) -> Supernode<'_> {
+            let (columns, below) = (if k + 1 == self.len() { LAST } else { 1 }, &self.0[k]);
+            Supernode { first: k, columns, below, values: &self.1[..columns * (columns + below.len())] }
+        }
+
+        fn info(&self) -> FactorInfo {
+            FactorInfo::default()
+        }
+    }
+
+    /// In an order that is no postorder, as minimum degree may leave it, a subtree without gaps contains one with a gap: column 1
+    /// stands between 0 and its parent 2. No column may be in two branches, or be swept with the trunk and in a branch.
+    #[test]
+    fn each_supernode_is_swept_once() {
+        for below in [[2, 3, 3, 4], [3, 2, 3, 4], [1, 2, 3, 4], [2, 4, 4, 4]] {
+            let tree = Tree(below.iter().map(|row| vec![*row]).chain([vec![]]).collect(), vec![1.0; LAST * LAST]);
+            let Branches { branches, trunk } = Branches::new(&tree, 4 + LAST);
+            let mut all: Vec<usize> =
+                branches.iter().flat_map(|branch| branch.supernodes.clone()).chain(trunk).collect();
+            all.sort_unstable();
+            assert!(!branches.is_empty() && all == [0, 1, 2, 3, 4], "{below:?}: {all:?}");
+        }
     }
 }

@@ -264,7 +264,8 @@ fn print_largest(report: &RunReport) {
         _ if *singular => "singular: it depends on the mesh".to_string(),
         error => of_mesh(*error, false),
     };
-    let place = format!("at {} on `{boundary}`, t = {} s", rounded_place(units, *position), six_digits(*time));
+    let place = units.point(position.map(six_digits));
+    let place = format!("at {place} on `{boundary}`, t = {} s", six_digits(*time));
     let stress = |value: f64| units.rounded(Quantity::Stress, value, DIGITS);
     let mean = largest.mean_pressure.map_or(String::new(), |mean| format!(", mean {}", stress(mean)));
     match (peak_of, pressure.map(stress)) {
@@ -297,11 +298,6 @@ fn percent(share: f64) -> String {
     // A share above 0 is never told as 0.0.
     let is_small = share != 0.0 && percent < 9.5;
     if is_small { format!("{:.1} %", percent.max(0.1)) } else { format!("{percent:.0} %") }
-}
-
-/// Formats a place with few digits.
-fn rounded_place(units: &UnitSystem, place: [f64; 3]) -> String {
-    units.point(place.map(six_digits))
 }
 
 /// Prints the errors that mesh and increments leave.
