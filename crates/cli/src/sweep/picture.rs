@@ -42,6 +42,7 @@ impl Sweep {
             let of = if self.plotted.is_some() { "" } else { "largest contact " };
             format!("{of}{}", quantity.head(self.units))
         });
+        // Values are those of the scene also if the body slips as a whole.
         let usable: Vec<&Row> =
             self.variants.iter().filter(|row| row.outcome.is_converged() || row.outcome.status == "slips").collect();
         let point = |row: &&Row| {
